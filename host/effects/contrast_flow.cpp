@@ -13,25 +13,26 @@ using std::numbers::pi;
 constexpr double step_s = 1e-3;
 constexpr double sinus_s = 0.35;     // mean time that refluxed medium stays in the sinus: assumed
 constexpr double emptied_max = 0.95; // share of a layer that may leave its cell in one substep
-constexpr double root_radius_min_m = 11e-3,
-                 root_length_m = 40e-3; // an aorta that begins at the heart is so wide there
+// An aorta that begins at the heart is so wide there, and rises by so much of its first length.
+constexpr double root_radius_min_m = 11e-3, root_length_m = 40e-3, root_rise = 0.3;
 constexpr double stretch_max = 0.6;
 constexpr double stretch_step_max = 2.5e-3; // of a volume in a step; a regular beat needs 1.4e-3
 constexpr double lowest_pressure = 0.5;     // of the mean
 constexpr double empty_mg = 0.02;           // so little in the lumen counts as none
 
-// The root of the tree begins at the heart if it is as wide there as an ascending aorta.
+// The root of the tree begins at the heart if it is as wide there as an ascending aorta, and rises like one.
+// A scan may begin in a descending aorta that is as wide.
 bool begins_at_heart(const VesselTree &tree)
 {
     if (tree.branches.empty()) return false;
     const VesselBranch &root = tree.branches[0];
-    double arc_m = 0.0, widest_m = root.radii_m[0];
-    for (std::size_t i = 1; i < root.points_m.size(); ++i) {
+    double arc_m = 0.0, widest_m = root.radii_m[0], rise_m = 0.0;
+    for (std::size_t i = 1; i < root.points_m.size() && arc_m < root_length_m; ++i) {
         arc_m += (root.points_m[i] - root.points_m[i - 1]).norm();
-        if (arc_m > root_length_m) break;
-        widest_m = std::max(widest_m, root.radii_m[i]);
+        rise_m = root.points_m[i].y() - root.points_m[0].y();
+        if (arc_m <= root_length_m) widest_m = std::max(widest_m, root.radii_m[i]);
     }
-    return widest_m >= root_radius_min_m;
+    return widest_m >= root_radius_min_m && rise_m >= root_rise * arc_m;
 }
 
 double leaving_in_diastole_ml(const FlowCells &cells, BeatPhase beat)

@@ -140,7 +140,7 @@ std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &finenes
     if (person.clutter.pacemaker) bones.add(pacemaker());
     std::vector<Body> bodies = layer_bodies(soft, bones, scale);
     bodies.insert(bodies.end(), skeleton.begin(), skeleton.end());
-    for (const Body &body : chest_bodies(bones, tree, scale)) bodies.push_back(body);
+    for (const Body &body : chest_bodies(soft, bones, tree, scale)) bodies.push_back(body);
     for (const Body &body : belly_bodies(soft, bones, tree, scale)) bodies.push_back(body);
     bodies.insert(bodies.end(), clutter.begin(), clutter.end());
     if (tree.coronary_count > 0)

@@ -22,12 +22,12 @@ Solid breast_glands(const SoftShape &shape); // empty for a man
 /* Returns the shape of the chest cavity on one side of the body (sign -1 for right, +1 for left), down to the
  * diaphragm. The returned chest cavity still includes the space of other bodies, such as the heart, which
  * must be cut out later. */
-Distance lung_cavity(double sign);
-Box lung_bounds(double sign);
+Distance lung_cavity(double sign, const SpineBend &bend = {});
+Box lung_bounds(double sign, const SpineBend &bend = {});
 
 /* Returns the shape of the space in the middle of the chest that the heart, the great veins, the hila and
  * soft tissue fill. The lungs do not extend into the middle space of the chest. */
-Solid mediastinum();
+Solid mediastinum(const SpineBend &bend = {});
 
 /* Describes one chamber of the heart by its distance function. A chamber of the heart keeps a distance of at
  * least a heart wall's thickness from the chambers that precede it in the list. */
@@ -57,7 +57,7 @@ Solid faeces_gas(const SoftShape &shape);            // bubbles in the faeces of
 Solid bowel(const SoftShape &shape, double wall_mm); // stomach, colon, small bowel, that wall around the gas
 
 /* Returns the branching vessels inside one lung. The parameter `lung` is the distance function of the lung in
- * which the vessels lie. */
-Solid lung_vessels(double sign, const Distance &lung);
+ * which the vessels lie, and `box` holds it. */
+Solid lung_vessels(double sign, const Distance &lung, const Box &box);
 
 } // namespace anatomy

@@ -7,7 +7,8 @@ namespace anatomy
 
 SkeletonShape skeleton_shape(const Person &person)
 {
-    return {person.sex, person.osteophytes, person.cartilage_calcium, person.arms, person.age_years};
+    return {person.sex,  person.osteophytes, person.cartilage_calcium, person.arms, person.age_years,
+            person.bend, person.seed};
 }
 
 /* The fat under the skin grows in proportion to the body mass index above 13, at which hardly any is left. Of
@@ -29,6 +30,7 @@ SoftShape soft_shape(const Person &person)
     shape.wall_calcium = person.wall_calcium;
     shape.calcium_seed = person.seed + 1;
     shape.arms = person.arms;
+    shape.bend = person.bend;
     return shape;
 }
 

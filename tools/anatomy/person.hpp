@@ -21,6 +21,7 @@ struct SoftShape {
     double wall_calcium = 0.0;    // plaques on the aorta and the iliac arteries: 0 none, 1 many
     std::uint32_t calcium_seed = 1;
     Arms arms = Arms::raised;
+    SpineBend bend = {}; // the back follows the spine
 };
 
 /* What lies on or in the patient on request (clutter.hpp). */
@@ -35,9 +36,11 @@ struct Person {
     double osteophytes = 0.3, cartilage_calcium = 0.2; // SkeletonShape
     double wall_calcium = 0.25;                        // SoftShape
     double gas = 1.0;
+    SpineBend bend = {};
     Arms arms = Arms::raised;
     Clutter clutter;
-    std::uint32_t seed = 0; // of bowel gas and plaques; 0: the shipped man
+    std::uint32_t seed =
+        0; // of bowel gas, plaques, and what differs between left and right; 0: the shipped man
 
     double bmi() const { return weight_kg / (height_m * height_m); }
     double scale() const { return height_m / SHIPPED_HEIGHT_M; }

@@ -30,7 +30,8 @@ std::vector<Body> layer_bodies(const SoftShape &shape, const Solid &bones, doubl
 /* Returns the lungs with their vessels, the heart with its chambers, the airway, and the tree's coronary
  * arteries with the root of the aorta. The lungs leave space for the vessel tree, and the heart leaves space
  * for its coronary arteries. */
-std::vector<Body> chest_bodies(const Solid &bones, const VesselTree &tree, double scale);
+std::vector<Body> chest_bodies(const SoftShape &shape, const Solid &bones, const VesselTree &tree,
+                               double scale);
 /* Fat, organs, bowel with gas, and the calcium in the wall of the vessels of chest and belly. */
 std::vector<Body> belly_bodies(const SoftShape &shape, const Solid &bones, const VesselTree &tree,
                                double scale);

@@ -23,6 +23,14 @@ std::vector<Vessel> coronary_arteries(const VesselTree &tree)
     return {first_coronary(tree), tree.vessels.end()};
 }
 
+std::vector<Vessel> moved_with_spine(std::vector<Vessel> vessels, const SpineBend &bend)
+{
+    for (Vessel &vessel : vessels)
+        for (Station &station : vessel.stations)
+            station.position_mm = moved_with_spine(bend, station.position_mm);
+    return vessels;
+}
+
 Curve vessel_curve(const Vessel &vessel, double step_mm)
 {
     std::vector<Vec3> points;

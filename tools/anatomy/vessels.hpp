@@ -41,7 +41,7 @@ struct VesselTree {
     bool is_in_patient = true;   // its frame is the modelled patient's; otherwise it is a phantom's own
     std::vector<Vessel> vessels; // the aorta or another inlet first, the coronary arteries last
     size_t coronary_count = 0;
-    Arms arms = Arms::raised;          // where the small arteries of the arms run
+    SkeletonShape skeleton;            // beside whose bones the small arteries run
     std::optional<std::uint64_t> seed; // of a drawn tree; draws what the small vessels leave to chance
     std::vector<Vessel>
         small;            // picture and flow only; each comes after its parent, which may be a vessel above
@@ -53,6 +53,9 @@ struct VesselTree {
 /* body_vessels() returns all vessels except the coronary arteries. */
 std::vector<Vessel> body_vessels(const VesselTree &tree);
 std::vector<Vessel> coronary_arteries(const VesselTree &tree);
+
+/* Returns the vessels moved with the spine beside which they run. */
+std::vector<Vessel> moved_with_spine(std::vector<Vessel> vessels, const SpineBend &bend);
 
 Curve vessel_curve(const Vessel &vessel, double step_mm);
 

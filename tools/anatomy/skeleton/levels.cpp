@@ -1,6 +1,7 @@
 /* The measures of the levels of the spine, and the places of the vertebrae. "Panjabi" stands for Panjabi and
  * others, Spine 1991;16:888 and 861 and 1992;17:299, whose specimens were small. */
 #include "tools/anatomy/skeleton/levels.hpp"
+#include "tools/anatomy/skeleton/spine_bend.hpp"
 #include <cmath>
 
 namespace anatomy
@@ -47,13 +48,23 @@ const std::array<SpineLevel, SPINE_LEVELS> TABLE = {{
     {"L5", 27.0, 3.6, 51, 34.0, 1.03, 11.0, 15.5, 14.2, 26, 28, 16, 94, 10, 25, 20, 15, 50, 4},
 }};
 
-/* Defines the curve through the centres of the vertebrae in the sagittal plane. The curve of the spine has a
- * kyphosis whose rearmost point is T7, and two lordoses whose foremost points are L3 and C5. */
-double course_z_mm(double y_mm)
+/* How much lower the front of a vertebral body is because of an added kyphosis. Goh 2000 (Rheumatology
+ * 39:310): kyphosis follows the shape of the bodies more than that of the discs; the share is assumed. */
+double bend_wedge_mm(const SpineBend &bend, const Vertebra &v)
 {
-    static const Spline course({-205, -188, -165, -130, -90, -45, 0, 45, 100, 150, 200, 250, 300, 360, 410},
-                               {-52, -45, -37, -30, -29, -35, -45, -55, -65, -68.5, -65, -54, -41, -36, -44});
-    return course.at(y_mm);
+    constexpr double BODIES = 0.6, REACH_MM = 1.0;
+    const auto slope = [&](double y_mm) {
+        return (spine_shift_mm(bend, y_mm + REACH_MM).z() - spine_shift_mm(bend, y_mm - REACH_MM).z()) /
+               (2.0 * REACH_MM);
+    };
+    const double half_mm = 0.5 * (v.height_mm + v.disc_below_mm), y_mm = v.centre_mm.y();
+    return BODIES * v.depth_mm * (slope(y_mm + half_mm) - slope(y_mm - half_mm));
+}
+
+/* The direction to the patient's left in a vertebra. */
+Vec3 left_of(const Vertebra &v)
+{
+    return (Vec3::UnitX() - v.up.x() * v.up).normalized();
 }
 
 } // namespace
@@ -63,26 +74,39 @@ const std::array<SpineLevel, SPINE_LEVELS> &levels()
     return TABLE;
 }
 
+/* Defines the curve through the centres of the vertebrae in the sagittal plane. The curve of the spine has a
+ * kyphosis whose rearmost point is T7, and two lordoses whose foremost points are L3 and C5. */
+double spine_course_z_mm(double y_mm)
+{
+    static const Spline course({-205, -188, -165, -130, -90, -45, 0, 45, 100, 150, 200, 250, 300, 360, 410},
+                               {-52, -45, -37, -30, -29, -35, -45, -55, -65, -68.5, -65, -54, -41, -36, -44});
+    return course.at(y_mm);
+}
+
 std::vector<Vertebra> vertebrae(const SkeletonShape &shape)
 {
     // Panjabi's tables: a woman's end plates are 0.87 times as wide as a man's, and she is 0.93 times as
     // tall.
     const double girth = shape.sex == Sex::woman ? 0.95 : 1.0;
     std::vector<Vertebra> all;
-    for (const SpineLevel &level : levels())
-        all.push_back({level.name,
-                       level.height_mm,
-                       girth * level.width_mm,
-                       girth * level.depth_mm,
-                       level.disc_below_mm,
-                       {},
-                       {},
-                       {}});
+    for (const SpineLevel &level : levels()) {
+        Vertebra &v = all.emplace_back();
+        v.name = level.name;
+        v.height_mm = level.height_mm;
+        v.wedge_mm = level.wedge_mm;
+        v.width_mm = girth * level.width_mm;
+        v.depth_mm = girth * level.depth_mm;
+        v.disc_below_mm = level.disc_below_mm;
+        v.left = side_difference(shape.sides_seed, all.size() - 1);
+    }
     auto place = [&](Vertebra &v, double y_mm) {
-        const double slope = (course_z_mm(y_mm + 8.0) - course_z_mm(y_mm - 8.0)) / 16.0;
-        v.centre_mm = Vec3(0, y_mm, course_z_mm(y_mm));
-        v.up = Vec3(0, 1, slope).normalized();
-        v.front = Vec3::UnitX().cross(v.up);
+        const Vec3 above = spine_shift_mm(shape.bend, y_mm + 8.0),
+                   below = spine_shift_mm(shape.bend, y_mm - 8.0);
+        const double slope = (spine_course_z_mm(y_mm + 8.0) - spine_course_z_mm(y_mm - 8.0)) / 16.0;
+        v.centre_mm = Vec3(0, y_mm, spine_course_z_mm(y_mm)) + spine_shift_mm(shape.bend, y_mm);
+        v.up = (Vec3(0, 1, slope) + (above - below) / 16.0).normalized();
+        v.front = left_of(v).cross(v.up);
+        v.wedge_mm -= bend_wedge_mm(shape.bend, v);
         return v.up.y();
     };
     // The vertebrae are stacked along the curve of the spine, up and down from the disc between T12 and L1 at
@@ -103,7 +127,7 @@ std::vector<Vertebra> vertebrae(const SkeletonShape &shape)
 Frame frame_of(const Vertebra &vertebra)
 {
     Frame frame{vertebra.centre_mm, {}};
-    frame.rotation << Vec3::UnitX(), vertebra.up, vertebra.front;
+    frame.rotation << left_of(vertebra), vertebra.up, vertebra.front;
     return frame;
 }
 
@@ -117,7 +141,8 @@ FacetJoint facet_joint(const std::vector<Vertebra> &spine, size_t index, double 
     const double disc_mm = index == 0 ? 0.0 : (sacral ? v : spine[index - 1]).disc_below_mm;
     const double x = level.facet_x_mm + (sacral ? 2.5 : 0.0);
     const double y = sacral ? -0.5 * v.height_mm - 0.75 * disc_mm : 0.5 * v.height_mm + 0.15 * disc_mm;
-    const double angle = (level.facet_angle_deg + (sacral ? 5.0 : 0.0)) * DEGREE,
+    const double angle =
+                     (level.facet_angle_deg + (sacral ? 5.0 : 0.0) + s * v.left.facet_turned_deg) * DEGREE,
                  tilt = level.facet_tilt_deg * DEGREE;
     FacetJoint joint;
     joint.centre = f.at(s * x, y, -0.5 * v.depth_mm - level.facet_behind_mm - (sacral ? 4.0 : 0.0));

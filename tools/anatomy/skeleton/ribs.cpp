@@ -57,14 +57,21 @@ std::vector<Vec3> rib_course(const std::vector<Vertebra> &spine, size_t rib, dou
     const Vertebra &v = spine[index], &above = rib > 0 && rib < 10 ? spine[index - 1] : v;
     const double fall = drop_mm(rib, person);
     const double head_y = 0.5 * (v.centre_mm.y() + above.centre_mm.y()) - 3.0;
+    const Vec3 shift = spine_shift_mm(person.bend, head_y);
     const double back = v.centre_mm.z() - 0.5 * v.depth_mm;
     const double tubercle_x = std::max(22.0, 0.5 * levels()[index].transverse_span_mm - 3.0);
-    const auto at = [&](double x, double share, double z) { return side(s, x, head_y - share * fall, z); };
+    const auto unbent = [&](double x, double share, double z) {
+        return side(s, x, head_y - share * fall, z);
+    };
+    const auto at = [&](double x, double share, double z) {
+        return moved_with_spine(person.bend, unbent(x, share, z));
+    };
+    const Vec3 aside(shift.x(), 0.0, 0.0); // of the joints with the vertebra
     const double angle_x = std::max(shape.angle_share * shape.half_width, tubercle_x + 10.0);
     const double side_to_front = shape.half_width - shape.front_x;
     return {
-        at(0.5 * v.width_mm + 4.0, 0.0, back + 5.0),
-        at(tubercle_x, 0.03, std::max(back - 15.0, shape.z_angle + 9.0)),
+        unbent(0.5 * v.width_mm + 4.0, 0.0, back + 5.0) + aside,
+        unbent(tubercle_x, 0.03, std::max(back - 15.0, shape.z_angle + 9.0 + shift.z())) + aside,
         at(angle_x, 0.13, shape.z_angle),
         at(0.5 * (angle_x + shape.half_width) + 0.13 * shape.half_width, 0.28,
            shape.z_angle + 0.30 * (shape.z_side - shape.z_angle)),

@@ -11,18 +11,19 @@ namespace
 {
 
 /* Returns a point of the shoulder blade, which is stated for raised arms. Beside the body, the blade is
- * turned down by 20 degrees about its middle. */
-Vec3 blade_point(double s, Arms arms, double x, double y, double z)
+ * turned down by 20 degrees about its middle. It lies on the ribs, and moves with them. */
+Vec3 blade_point(double s, const SkeletonShape &shape, double x, double y, double z)
 {
     constexpr double MIDDLE_X = 105.0, MIDDLE_Y = 235.0, COSINE = 0.940, SINE = 0.342;
-    if (arms == Arms::raised) return side(s, x, y, z);
+    if (shape.arms == Arms::raised) return moved_with_spine(shape.bend, side(s, x, y, z));
     const double across = x - MIDDLE_X, up = y - MIDDLE_Y;
-    return side(s, MIDDLE_X + COSINE * across + SINE * up, MIDDLE_Y - SINE * across + COSINE * up, z);
+    return moved_with_spine(shape.bend, side(s, MIDDLE_X + COSINE * across + SINE * up,
+                                             MIDDLE_Y - SINE * across + COSINE * up, z));
 }
 
 /* Returns the shape of the shoulder blade from its medial border to its neck and lateral border, and from its
  * superior angle down to its inferior angle. */
-Sheet blade(double s, Arms arms)
+Sheet blade(double s, const SkeletonShape &shape)
 {
     constexpr size_t DOWN = 55, ACROSS = 25;
     const auto medial = evenly_along(
@@ -37,18 +38,19 @@ Sheet blade(double s, Arms arms)
             // The shoulder blade is concave on the side of the ribs and thin in the middle.
             const Vec3 point =
                 medial[row] + share * (lateral[row] - medial[row]) - 0.1 * middle * width_mm * Vec3::UnitZ();
-            rows[row].push_back({blade_point(s, arms, point.x(), point.y(), point.z()), 2.4 - 0.35 * middle});
+            rows[row].push_back(
+                {blade_point(s, shape, point.x(), point.y(), point.z()), 2.4 - 0.35 * middle});
         }
     return Sheet(rows);
 }
 
 /* Adds one shoulder blade, which is turned outwards where the arms are raised. */
-Part scapula_part(double s, Arms arms)
+Part scapula_part(double s, const SkeletonShape &shape)
 {
-    const auto at = [&](double x, double y, double z) { return blade_point(s, arms, x, y, z); };
+    const auto at = [&](double x, double y, double z) { return blade_point(s, shape, x, y, z); };
     Part part(4.0);
     const Vec3 glenoid = at(146, 238, -62);
-    part.add<Sheet>(blade(s, arms)).cortex_mm = 0.9;
+    part.add<Sheet>(blade(s, shape)).cortex_mm = 0.9;
     part.rod({at(84, 268, -104), at(82, 238, -113), at(85, 205, -118), at(99, 162, -120), at(116, 129, -118)},
              {2.4, 2.6, 2.4, 3.0, 4.2}, 1.0);
     part.rod({at(117, 129, -118), at(138, 188, -97), at(141, 210, -82), at(143, 230, -68)},
@@ -123,7 +125,7 @@ Solid shoulder_bones(const SkeletonShape &shape)
 {
     Solid solid;
     for (double s : {-1.0, 1.0}) {
-        solid.add(scapula_part(s, shape.arms));
+        solid.add(scapula_part(s, shape));
         solid.add(shape.arms == Arms::raised ? raised_humerus(s) : lowered_humerus(s));
         solid.add(clavicle_part(s, shape.arms));
     }

@@ -1,5 +1,7 @@
 /* The spine from the atlas to the coccyx as one solid. */
 #include "tools/anatomy/skeleton/levels.hpp"
+#include "tools/anatomy/skeleton/spine_bend.hpp"
+#include "tools/anatomy/skeleton/vertebral_body.hpp"
 #include <algorithm>
 
 namespace anatomy
@@ -14,6 +16,7 @@ SkeletonShape usual_skeleton(Sex sex, double age_years)
     shape.sex = sex;
     shape.age_years = age_years;
     shape.osteophytes = std::clamp((age_years - 40.0) / 65.0, 0.0, 1.0);
+    shape.bend.kyphosis_deg = usual_added_kyphosis_deg(sex, age_years);
     shape.cartilage_calcium = std::clamp(0.007 * (age_years - 30.0), 0.0, 1.0);
     return shape;
 }
@@ -25,6 +28,24 @@ Solid spine_bones(const SkeletonShape &shape)
     for (size_t i = 0; i < spine.size(); i++)
         solid.add(i < T1 ? cervical_part(spine, i) : vertebra_part(spine, i, shape));
     solid.add(sacrum_part(spine, shape));
+    return solid;
+}
+
+Solid vertebral_discs(const SkeletonShape &shape)
+{
+    constexpr double INTO_PLATES_MM = 2.5; // of each neighbour, whose end plates are hollow
+    const auto spine = vertebrae(shape);
+    Solid solid;
+    for (size_t i = T1; i < L5; i++) {
+        const Vertebra &v = spine[i], &below = spine[i + 1];
+        const double high_mm = v.disc_below_mm + 2.0 * INTO_PLATES_MM;
+        const Vec3 centre = v.centre_mm - 0.5 * (v.height_mm + v.disc_below_mm) * v.up;
+        Part part(0.0);
+        part.add<VertebralBody>(centre, frame_of(v).rotation,
+                                BodyMeasures{v.width_mm, below.width_mm, 0.5 * (v.depth_mm + below.depth_mm),
+                                             high_mm, high_mm, 0.0, 0.0, 0.0, 0.0});
+        solid.add(part);
+    }
     return solid;
 }
 

@@ -48,8 +48,8 @@ void add_body(const Builder &b, const SkeletonShape &shape)
     BodyMeasures measures{upper,
                           upper * b.level.lower_ratio,
                           b.v.depth_mm,
-                          b.v.height_mm + 0.5 * b.level.wedge_mm,
-                          b.v.height_mm - 0.5 * b.level.wedge_mm,
+                          b.v.height_mm + 0.5 * b.v.wedge_mm,
+                          b.v.height_mm - 0.5 * b.v.wedge_mm,
                           1.3 + 0.9 * b.lumbar,
                           1.5,
                           right,
@@ -74,7 +74,7 @@ void add_pedicle(const Builder &b, double s)
     const Vec3 ahead = b.f.along(-s * std::sin(angle), 0.0, std::cos(angle));
     oval(b, {neck + 9.0 * ahead, neck + 4.0 * ahead, neck, b.pedicle_end(s)},
          {1.15 * half, 1.1 * half, half, 0.95 * half}, b.f.along(0, 1, 0),
-         b.level.pedicle_width_mm / b.level.pedicle_height_mm, 0.9);
+         (1.0 + s * b.v.left.pedicle_wider) * b.level.pedicle_width_mm / b.level.pedicle_height_mm, 0.9);
 }
 
 /* Adds the articular processes and the pieces of the arch that carry them. */
@@ -113,17 +113,18 @@ void add_lamina(const Builder &b, double s)
  * cone. */
 void add_transverse(const Builder &b, double s)
 {
-    const double tip_x = 0.5 * b.level.transverse_span_mm;
+    const double tip_x = 0.5 * b.level.transverse_span_mm + s * b.v.left.transverse_longer_mm;
+    const double higher = s * b.v.left.transverse_higher_mm;
     const Vec3 root = b.pedicle_end(s), up = b.f.along(0, 1, 0);
     if (b.index < L1) {
         const double swept = 0.62 * (tip_x - b.pedicle_x());
-        const Vec3 club = b.f.at(s * (tip_x - 4.0), b.pedicle_y() + 1.0, b.back() - 9.0 - swept);
+        const Vec3 club = b.f.at(s * (tip_x - 4.0), b.pedicle_y() + 1.0 + higher, b.back() - 9.0 - swept);
         oval(b, {root, 0.5 * (root + club), club}, {5.5, 4.6, 4.8}, up, 0.85, 1.0);
         if (b.index < T12) b.part.add<Ellipsoid>(club, Vec3(4.6, 6.0, 4.6), b.f.rotation).cortex_mm = 1.0;
         return;
     }
     const bool last = b.index == L5;
-    const double rise = b.index >= L5 - 1 ? 4.0 : b.index == L1 ? 2.0 : 0.0;
+    const double rise = (b.index >= L5 - 1 ? 4.0 : b.index == L1 ? 2.0 : 0.0) + higher;
     const Vec3 start = b.f.at(s * (b.pedicle_x() + 1.0), b.pedicle_y() - 1.0, b.back() - 7.0);
     const Vec3 tip = b.f.at(s * (tip_x - (last ? 3.6 : 2.2)), b.pedicle_y() - 1.0 + rise, b.back() - 13.0);
     const Vec3 middle = 0.5 * (start + tip) - 0.5 * up;
@@ -141,10 +142,12 @@ void add_spinous(const Builder &b)
     const double start_z = b.arch() - 1.0;
     const Vec3 along = b.f.along(0, -std::sin(slope), -std::cos(slope));
     const double length = b.level.spinous_mm - b.lamina_half_mm();
+    const Vec3 aside = b.f.along(b.v.left.spinous_left_mm, 0, 0);
     if (b.index < T12) {
         const Vec3 root = b.f.at(0, -0.05 * h, start_z), low_root = b.f.at(0, -0.42 * h, start_z - 4.0);
-        const Vec3 tip = root + length * along;
-        oval(b, {root, root + 0.5 * length * along, tip}, {6.5, 4.6, 3.4}, b.f.along(0, 1, 0), 0.68, 1.0);
+        const Vec3 tip = root + length * along + aside;
+        oval(b, {root, root + 0.5 * (length * along + aside), tip}, {6.5, 4.6, 3.4}, b.f.along(0, 1, 0), 0.68,
+             1.0);
         b.part.plate(root, low_root, tip, Vec3(2.6, 3.2, 1.8), 1.0);
         b.part.add<Ellipsoid>(tip, Vec3(3.0, 4.2, 3.2), b.f.rotation).cortex_mm = 1.0;
         return;
@@ -152,8 +155,8 @@ void add_spinous(const Builder &b)
     const double high = 7.5 + 1.5 * b.lumbar; // half of the blade's height, 20 mm in all
     const Vec3 down = b.f.along(0, -1, 0);
     const Vec3 top = b.f.at(0, -0.02 * h, start_z), low = top + (2.0 * high - 2.0) * down;
-    const Vec3 tip_top = top + (length - 3.0) * along + 1.5 * down;
-    const Vec3 tip_low = top + length * along + (2.0 * high - 1.0) * down;
+    const Vec3 tip_top = top + (length - 3.0) * along + 1.5 * down + 0.7 * aside;
+    const Vec3 tip_low = top + length * along + (2.0 * high - 1.0) * down + aside;
     // The blade widens backwards and downwards, so that no ray of an AP view runs along its sides.
     b.part.plate(top, low, tip_low, Vec3(1.6, 2.6, 4.0), 0.7);
     b.part.plate(top, tip_top, tip_low, Vec3(1.6, 2.8, 4.0), 0.7);

@@ -8,7 +8,7 @@ namespace anatomy
 namespace
 {
 
-constexpr double CLEARANCE_MM = 1.5;
+constexpr double CLEARANCE_MM = 1.5, NEARLY_MM = 0.5; // the least clearance is their difference
 
 /* How far the wall must move away from the bones at a point. */
 double lack_mm(const Solid &bones, const Vec3 &at, double radius_mm)
@@ -39,20 +39,18 @@ void smooth(std::vector<Vec3> &moves)
 
 } // namespace
 
-Solid bones_beside(Arms arms)
+Solid bones_beside(const SkeletonShape &shape)
 {
-    SkeletonShape shape;
-    shape.arms = arms;
     Solid bones;
     for (const Solid &group : {spine_bones(shape), rib_bones(shape), pelvis_bones(shape), femur_bones(shape),
-                               shoulder_bones(shape), forearm_bones(shape)})
+                               shoulder_bones(shape), forearm_bones(shape), vertebral_discs(shape)})
         bones.add(group);
     return bones;
 }
 
 Vessel beside_bones(const Vessel &artery, const Solid &all_bones)
 {
-    constexpr int ROUNDS = 12;
+    constexpr int ROUNDS = 100, SMOOTH_ROUNDS = 80;
     constexpr double STEP_MM = 3.0, REACH_MM = 12.0;
     if (artery.name.find("vertebral") != std::string::npos) return artery;
     const Curve curve = vessel_curve(artery, STEP_MM);
@@ -66,12 +64,16 @@ Vessel beside_bones(const Vessel &artery, const Solid &all_bones)
         return artery;
     std::vector<Vec3> moves(curve.size(), Vec3::Zero());
     for (int round = 0; round < ROUNDS; round++) {
+        double most_mm = 0.0;
         for (size_t i = 1; i < curve.size(); i++) {
             const Vec3 at = curve[i].position_mm + moves[i];
             const double lack = lack_mm(bones, at, curve[i].radius_mm);
-            if (lack > 0.0) moves[i] += lack * away_from(bones, at);
+            if (lack <= 0.0) continue;
+            moves[i] += lack * away_from(bones, at);
+            most_mm = std::max(most_mm, lack);
         }
-        if (round + 2 < ROUNDS) smooth(moves); // the last rounds only move out
+        if (most_mm < NEARLY_MM) break;
+        if (round < SMOOTH_ROUNDS) smooth(moves); // the last rounds only move out
     }
     Vessel bent = artery;
     bent.stations.clear();

@@ -7,13 +7,14 @@
 namespace anatomy
 {
 
-/* Returns the shipped man's bones beside which the arteries of trunk and arms run, for arms that lie so.
- * Without the skull, whose canals its shape leaves out. */
-Solid bones_beside(Arms arms);
+/* Returns the bones beside which a person's arteries of trunk and arms run. With the discs between the
+ * vertebrae, and without the skull, whose canals its shape leaves out. */
+Solid bones_beside(const SkeletonShape &shape);
 
-/* Returns the artery with its course bent around the bones: its wall keeps 1.5 mm from them at points
- * 3 mm apart. Its start stays in the parent. An artery that keeps this distance anyway is returned as it is,
- * and so is a vertebral artery, which runs through openings of the vertebrae that their shapes leave out. */
+/* Returns the artery with its course bent around the bones: its wall keeps 1.0 to 1.5 mm
+ * from them at points 3 mm apart. Its start stays in the parent. An artery that keeps this distance anyway is
+ * returned as it is, and so is a vertebral artery, which runs through openings of the vertebrae that their
+ * shapes leave out. */
 Vessel beside_bones(const Vessel &artery, const Solid &bones);
 
 } // namespace anatomy

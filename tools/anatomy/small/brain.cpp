@@ -1,6 +1,6 @@
 #include "tools/anatomy/small/brain.hpp"
+#include "tools/anatomy/chance.hpp"
 #include "tools/anatomy/small/twigs.hpp"
-#include "tools/anatomy/varied/chance.hpp"
 #include <algorithm>
 #include <cmath>
 

@@ -1,5 +1,5 @@
 #include "tools/anatomy/small/circle_of_willis.hpp"
-#include "tools/anatomy/varied/chance.hpp"
+#include "tools/anatomy/chance.hpp"
 #include <algorithm>
 #include <stdexcept>
 

@@ -1,8 +1,8 @@
 #include "tools/anatomy/small/heart_tissue.hpp"
+#include "tools/anatomy/chance.hpp"
 #include "tools/anatomy/heart_beat.hpp"
 #include "tools/anatomy/heart_course.hpp"
 #include "tools/anatomy/organs.hpp"
-#include "tools/anatomy/varied/chance.hpp"
 #include <algorithm>
 #include <cmath>
 #include <numbers>

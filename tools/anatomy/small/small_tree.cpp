@@ -1,13 +1,13 @@
 #include "tools/anatomy/small/small_tree.hpp"
 #include "host/base/format.hpp"
 #include "host/base/number_text.hpp"
+#include "tools/anatomy/chance.hpp"
 #include "tools/anatomy/organs.hpp"
 #include "tools/anatomy/output.hpp"
 #include "tools/anatomy/small/brain.hpp"
 #include "tools/anatomy/small/heart_tissue.hpp"
 #include "tools/anatomy/small/twigs.hpp"
 #include "tools/anatomy/small/veins.hpp"
-#include "tools/anatomy/varied/chance.hpp"
 #include <algorithm>
 #include <optional>
 

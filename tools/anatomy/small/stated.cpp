@@ -46,14 +46,15 @@ void follow(Vessel &vessel, const Vec3 &moved_mm)
     drag(vessel.stations.begin(), vessel.stations.end(), moved_mm, FADES_MM);
 }
 
-/* Adds the arteries of one shipped file, in the order in which they are given, beside the bones. */
+/* Adds the arteries of one shipped file, in the order in which they are given, beside spine and bones. */
 void add_all(VesselTree &tree, const VesselTree &shipped, const std::vector<Vessel> &arteries,
              std::uint64_t stream, const Solid &bones)
 {
     constexpr double USUAL_WINDING = 1.04;
     VesselTree straight = shipped;
-    straight.small = arteries;
-    for (Vessel vessel : arteries) {
+    straight.vessels = moved_with_spine(shipped.vessels, tree.skeleton.bend);
+    straight.small = moved_with_spine(arteries, tree.skeleton.bend);
+    for (Vessel vessel : straight.small) {
         stream++;
         const Vessel *parent = vessel_of(tree, vessel.parent);
         if (!parent || vessel_of(tree, vessel.name)) continue;
@@ -82,9 +83,9 @@ void add_stated_branches(VesselTree &tree)
     for (size_t i = 0; i < tree.small.size(); i++)                              // those of a user's file
         tree.small[i] = wound(tree.small[i], tree.seed.value_or(0), OWN + i);
     const VesselTree trunk = shipped_vessels("trunk_branches"), head = shipped_vessels("head_branches"),
-                     arms =
-                         shipped_vessels(tree.arms == Arms::raised ? "arm_branches" : "arm_branches_beside");
-    const Solid bones = bones_beside(tree.arms);
+                     arms = shipped_vessels(tree.skeleton.arms == Arms::raised ? "arm_branches"
+                                                                               : "arm_branches_beside");
+    const Solid bones = bones_beside(tree.skeleton);
     add_all(tree, trunk, trunk.small, TRUNK, bones);
     const CircleOfWillis circle = tree.seed ? drawn_circle(*tree.seed) : CircleOfWillis{};
     add_all(tree, head, with_circle(head.small, circle), HEAD, bones);

@@ -1,5 +1,5 @@
 #include "tools/anatomy/small/winding.hpp"
-#include "tools/anatomy/varied/chance.hpp"
+#include "tools/anatomy/chance.hpp"
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -95,10 +95,11 @@ namespace
 
 /* Returns the distance to one lung, which is the chest cavity on its side minus everything else in the
  * chest. */
-LocalDistance lung_distance(double sign, const Solid &bones, const Solid &aorta_wall, const Solid &coronaries)
+LocalDistance lung_distance(double sign, const SpineBend &bend, const Solid &bones, const Solid &aorta_wall,
+                            const Solid &coronaries)
 {
-    const Solid middle = mediastinum(), air = airway();
-    const Distance cavity = lung_cavity(sign);
+    const Solid middle = mediastinum(bend), air = airway();
+    const Distance cavity = lung_cavity(sign, bend);
     return [=](const Box &box, double reach_mm) -> Distance {
         constexpr double PLEURA_MM = 2.0, ADVENTITIA_MM = 1.0;
         const double reach = reach_mm + PLEURA_MM + 1.0;
@@ -114,13 +115,14 @@ LocalDistance lung_distance(double sign, const Solid &bones, const Solid &aorta_
 }
 
 /* Adds the lungs with their vessels. Bones, aorta, airway and mediastinum are cut out of the lungs. */
-void add_lungs(std::vector<Body> &bodies, const Solid &bones, const Solid &aorta_wall,
+void add_lungs(std::vector<Body> &bodies, const SpineBend &bend, const Solid &bones, const Solid &aorta_wall,
                const Solid &coronaries, double scale)
 {
     for (double s : {-1.0, 1.0}) {
         const std::string name = s < 0 ? "lung_right" : "lung_left";
-        const LocalDistance lung = lung_distance(s, bones, aorta_wall, coronaries);
-        const Solid tree = lung_vessels(s, lung(lung_bounds(s), 20.0));
+        const LocalDistance lung = lung_distance(s, bend, bones, aorta_wall, coronaries);
+        const Box where = lung_bounds(s, bend);
+        const Solid tree = lung_vessels(s, lung(where, 20.0), where);
         const LocalDistance vessels = [=](const Box &box, double reach_mm) -> Distance {
             constexpr double INSIDE_MM = 1.3;
             return [own = tree.near(box, reach_mm), around = lung(box, reach_mm + INSIDE_MM)](const Vec3 &p) {
@@ -128,8 +130,7 @@ void add_lungs(std::vector<Body> &bodies, const Solid &bones, const Solid &aorta
                 return distance > 1e3 ? distance : std::max(distance, around(p) + INSIDE_MM);
             };
         };
-        bodies.push_back(
-            {name, "lung", "flesh", {grown(lung_bounds(s), 4.0), lung, 2.2 * scale, SOFT_ERROR_MM}});
+        bodies.push_back({name, "lung", "flesh", {grown(where, 4.0), lung, 2.2 * scale, SOFT_ERROR_MM}});
         bodies.push_back(
             {name + "_vessels", "blood", name, {grown(tree.bounds, 2.0), vessels, 1.2 * scale, 0.2}});
     }
@@ -220,13 +221,15 @@ void add_heart_vessels(std::vector<Body> &bodies, const HeartVessels &vessels, d
 
 } // namespace
 
-std::vector<Body> chest_bodies(const Solid &bones, const VesselTree &tree, double scale)
+std::vector<Body> chest_bodies(const SoftShape &shape, const Solid &bones, const VesselTree &tree,
+                               double scale)
 {
     constexpr double AORTA_WALL_MM = 2.0;
     std::vector<Body> bodies;
     const HeartVessels vessels = heart_vessels(tree);
     const Solid taken = vessels.all();
-    add_lungs(bodies, bones, vessels_solid(body_vessels(tree), AORTA_WALL_MM, tree.fillet_mm), taken, scale);
+    add_lungs(bodies, shape.bend, bones, vessels_solid(body_vessels(tree), AORTA_WALL_MM, tree.fillet_mm),
+              taken, scale);
     add_heart(bodies, bones, taken, scale);
     if (!taken.is_empty()) add_heart_vessels(bodies, vessels, scale);
     const Solid air = airway();
@@ -248,8 +251,8 @@ constexpr double DIAPHRAGM_MM = 4.0, ORGAN_GAP_MM = 1.5;
  * outline minus the diaphragm, heart, bones and psoas muscles. */
 LocalDistance belly_distance(const SoftShape &shape, const Solid &bones)
 {
-    const Solid heart = mediastinum(), loins = psoas(), nests = kidney_nests();
-    const Distance right = lung_cavity(-1.0), left = lung_cavity(1.0);
+    const Solid heart = mediastinum(shape.bend), loins = psoas(), nests = kidney_nests();
+    const Distance right = lung_cavity(-1.0, shape.bend), left = lung_cavity(1.0, shape.bend);
     const Solid outline = skin(shape);
     return [=](const Box &box, double reach_mm) -> Distance {
         constexpr double CLEAR_MM = 3.0, BLEND_MM = 6.0, WALL_MM = 3.0;

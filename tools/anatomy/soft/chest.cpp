@@ -47,22 +47,23 @@ double dome_mm(double sign, double x, double z)
 
 } // namespace
 
-Box lung_bounds(double sign)
+Box lung_bounds(double sign, const SpineBend &bend)
 {
+    const double deeper_mm = std::max(0.0, -spine_shift_mm(bend, 115.0).z()); // where it is largest
     Box box;
-    box.include(side(sign, 2, -75, -110), 0.0);
+    box.include(side(sign, 2, -75, -110 - deeper_mm), 0.0);
     box.include(side(sign, 134, APEX_MM, 72), 0.0);
     return box;
 }
 
-Distance lung_cavity(double sign)
+Distance lung_cavity(double sign, const SpineBend &bend)
 {
-    return [sign](const Vec3 &p) {
+    return [=](const Vec3 &p) {
         constexpr double STEEPNESS =
             0.55; // converts the difference in height to an approximate distance at the steep edge
         const double above = (dome_mm(sign, p.x(), p.z()) - p.y()) * STEEPNESS;
         const double own_side = 1.8 - sign * p.x();
-        return smooth_max(smooth_max(cavity_distance(p), above, 4.0), own_side, 3.0);
+        return smooth_max(smooth_max(cavity_distance(before_bend(bend, p)), above, 4.0), own_side, 3.0);
     };
 }
 
@@ -140,19 +141,25 @@ std::vector<Chamber> heart_chambers()
             {"left_atrium", left_side, around(left_atrium)}};
 }
 
-Solid mediastinum()
+Solid mediastinum(const SpineBend &bend)
 {
+    const auto moved = [&](std::vector<Vec3> points) {
+        for (Vec3 &point : points) point = moved_with_spine(bend, point);
+        return points;
+    };
     Solid solid;
     solid.add(heart_part(0.0));
     Part middle(10.0);
     // The mediastinum is a column in front of the spine that thins to a septum behind the sternum.
-    middle.add<Tube>(sample_curve({{0, 60, -38}, {0, 130, -42}, {0, 190, -30}, {0, 250, -18}, {0, 300, -18}},
-                                  {24, 22, 20, 22, 24}, 6.0));
+    middle.add<Tube>(
+        sample_curve(moved({{0, 60, -38}, {0, 130, -42}, {0, 190, -30}, {0, 250, -18}, {0, 300, -18}}),
+                     {24, 22, 20, 22, 24}, 6.0));
     middle.plate({0, 80, -60}, {0, 80, 66}, {0, 250, -60}, 1.2);
     middle.plate({0, 80, 66}, {0, 250, -60}, {0, 250, 34}, 1.2);
     // The back muscles fill the space behind the spine, so that the lungs stay beside the vertebrae.
-    middle.add<Tube>(sample_curve({{0, -40, -76}, {0, 60, -97}, {0, 150, -108}, {0, 220, -99}, {0, 300, -78}},
-                                  {26, 27, 27, 26, 26}, 6.0));
+    middle.add<Tube>(
+        sample_curve(moved({{0, -40, -76}, {0, 60, -97}, {0, 150, -108}, {0, 220, -99}, {0, 300, -78}}),
+                     {26, 27, 27, 26, 26}, 6.0));
     // The code below adds the superior vena cava with the right brachiocephalic vein, the inferior vena cava,
     // the pulmonary trunk and the hila.
     middle.rod({{-30, 112, 8}, {-29, 160, 10}, {-27, 215, 12}, {-32, 252, 12}}, {13, 11, 10, 9});
@@ -210,9 +217,8 @@ double spread(uint32_t index, uint32_t base)
 
 /* Returns the points at which the vessels of one lung end. The end points are evenly spread over the lung,
  * and those nearest to the hilum come first. */
-std::vector<Vec3> vessel_ends(double sign, const Distance &lung, const Vec3 &hilum, size_t count)
+std::vector<Vec3> vessel_ends(const Box &box, const Distance &lung, const Vec3 &hilum, size_t count)
 {
-    const Box box = lung_bounds(sign);
     std::vector<Vec3> ends;
     for (uint32_t i = 1; ends.size() < count && i < 20000; i++) {
         const Vec3 share(spread(i, 2), spread(i, 3), spread(i, 5));
@@ -262,14 +268,14 @@ std::vector<Node> grow_tree(const Vec3 &hilum, const std::vector<Vec3> &ends)
 
 } // namespace
 
-Solid lung_vessels(double sign, const Distance &lung)
+Solid lung_vessels(double sign, const Distance &lung, const Box &box)
 {
     // The radii of the lung vessels follow Murray's law: the cube of a vessel's radius is the sum of the
     // cubes of its branches' radii.
     constexpr double END_RADIUS_MM = 1.5;
     constexpr size_t ENDS = 100;
     const Vec3 hilum = side(sign, 40, sign > 0 ? 172 : 164, -18);
-    const auto nodes = grow_tree(hilum, vessel_ends(sign, lung, hilum, ENDS));
+    const auto nodes = grow_tree(hilum, vessel_ends(box, lung, hilum, ENDS));
     auto radius = [&](const Node &node) {
         return END_RADIUS_MM * std::cbrt(static_cast<double>(node.leaves));
     };

@@ -165,7 +165,8 @@ Solid skin(const SoftShape &shape)
     const bool is_raised = shape.arms == Arms::raised;
     const Part limbs = is_raised ? raised_arms() : lowered_arms(), upper = upper_parts(),
                breast = breasts(shape.breast_mm);
-    const double more_mm = std::max(0.0, 22.0 * (shape.fat - 1.0)) + std::max(0.0, shape.belly_mm);
+    const double more_mm = std::max(0.0, 22.0 * (shape.fat - 1.0)) + std::max(0.0, shape.belly_mm) +
+                           std::max(0.0, -spine_shift_mm(shape.bend, 115.0).z());
     Box where;
     where.include(Vec3(-345 - more_mm, BOTTOM_MM, -160 - more_mm), 0.0);
     where.include(Vec3(345 + more_mm, is_raised ? 845 : 610, 150 + more_mm), 0.0);
@@ -173,7 +174,8 @@ Solid skin(const SoftShape &shape)
     part.add<Formula>(
         [=](const Vec3 &p) {
             constexpr double NECK_MM = 330.0, NECK_RIM_MM = 20.0;
-            double inside = smooth_max(trunk_distance(p), p.y() - NECK_MM, NECK_RIM_MM);
+            double inside =
+                smooth_max(trunk_distance(before_bend(shape.bend, p)), p.y() - NECK_MM, NECK_RIM_MM);
             if (const double limb = distance_near(limbs, p); limb < FAR_MM) {
                 // Below the armpit, an arm beside the body only touches it.
                 const double width_mm = is_raised

@@ -1,8 +1,8 @@
 #include "tools/anatomy/varied/coronaries.hpp"
 #include "host/base/format.hpp"
 #include "host/base/text.hpp"
+#include "tools/anatomy/chance.hpp"
 #include "tools/anatomy/heart_beat.hpp"
-#include "tools/anatomy/varied/chance.hpp"
 #include "tools/anatomy/varied/plausible.hpp"
 #include <algorithm>
 #include <cmath>

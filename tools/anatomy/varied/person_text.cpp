@@ -83,6 +83,8 @@ std::string person_text(const DrawnPerson &drawn, const PersonWish &wish, const 
     text += line("fat", soft.fat, 2, "under the skin, in parts of the shipped man's");
     text += line("belly_mm", soft.belly_mm, 1, "by which the wall of the belly lies farther out");
     text += line("osteophytes", person.osteophytes, 2, "0 none, 1 severe");
+    text += line("kyphosis_deg", person.bend.kyphosis_deg, 1, "added to the shipped man's");
+    text += line("scoliosis_deg", person.bend.scoliosis_deg, 1, "bulges to the right at the chest");
     text += line("cartilage_calcium", person.cartilage_calcium, 2, "share of the costal cartilages");
     text +=
         line("wall_calcium", person.wall_calcium, 2, "plaques of aorta and iliac arteries: 0 none, 1 many");

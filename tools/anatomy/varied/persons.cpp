@@ -1,7 +1,7 @@
 #include "tools/anatomy/varied/persons.hpp"
 #include "host/base/format.hpp"
 #include "host/base/number_text.hpp"
-#include "tools/anatomy/varied/chance.hpp"
+#include "tools/anatomy/chance.hpp"
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -22,7 +22,9 @@ enum class Stream : std::uint64_t {
     osteophytes,
     cartilage,
     gas,
-    bowel
+    bowel,
+    kyphosis,
+    scoliosis
 };
 
 Chance chance_of(std::uint64_t seed, Stream stream)
@@ -72,6 +74,18 @@ void refuse_size(const Person &person, const PersonWish &wish)
                                                std::floor(BMI_MOST * square)));
 }
 
+/* Draws the bend of a spine. The spread of the kyphosis is that of Fon 1980, from memory, in a person who
+ * lies on the back; the limits are those within which the chest and the vessels of the shipped man follow. Of
+ * asymptomatic adults, 13 % have a scoliosis of more than 10 degrees in an upright chest picture (PMID
+ * 26329652); here everyone has a smaller one, more often to the right (assumed). */
+SpineBend drawn_bend(std::uint64_t seed, const SpineBend &usual)
+{
+    constexpr double KYPHOSIS_SD_DEG = 5.5, SCOLIOSIS_MEAN_DEG = 1.0, SCOLIOSIS_SD_DEG = 2.0;
+    const double kyphosis_deg = chance_of(seed, Stream::kyphosis).normal(usual.kyphosis_deg, KYPHOSIS_SD_DEG);
+    return {to_unit(std::clamp(kyphosis_deg, KYPHOSIS_LEAST_DEG, KYPHOSIS_MOST_DEG), 0.1),
+            to_unit(chance_of(seed, Stream::scoliosis).normal(SCOLIOSIS_MEAN_DEG, SCOLIOSIS_SD_DEG), 0.1)};
+}
+
 } // namespace
 
 Person drawn_body(std::uint64_t seed, const PersonWish &wish)
@@ -101,6 +115,7 @@ Person drawn_body(std::uint64_t seed, const PersonWish &wish)
     person.cartilage_calcium = to_unit(
         std::clamp(usual.cartilage_calcium * chance_of(seed, Stream::cartilage).uniform(0.5, 1.5), 0.0, 1.0),
         0.01);
+    person.bend = drawn_bend(seed, usual.bend);
     person.gas = to_unit(chance_of(seed, Stream::gas).uniform(0.75, 1.1), 0.01);
     person.arms = wish.arms;
     person.clutter = wish.clutter;
@@ -146,7 +161,7 @@ VesselTree enlarged(VesselTree tree, double factor)
 DrawnPerson drawn_person(std::uint64_t seed, const PersonWish &wish)
 {
     constexpr double WIDTH_LEAST = 0.8, WIDTH_MOST = 1.2; // of the shipped arch
-    static const double shipped_width_mm = arch_width_mm(shipped_vessels("aorta").vessels);
+    static const std::vector<Vessel> shipped = shipped_vessels("aorta").vessels;
     DrawnPerson drawn;
     drawn.seed = seed;
     drawn.person = drawn_body(seed, wish);
@@ -158,6 +173,7 @@ DrawnPerson drawn_person(std::uint64_t seed, const PersonWish &wish)
     drawn.arch_width_wanted_mm =
         Chance(seed, 2000)
             .normal(mean_arch_width_mm(drawn.person), ARCH_WIDTH_SD_MM[number(drawn.person.sex)]);
+    const double shipped_width_mm = arch_width_mm(moved_with_spine(shipped, drawn.person.bend));
     aorta.arch_width = std::clamp(drawn.arch_width_wanted_mm / drawn.person.scale() / shipped_width_mm,
                                   WIDTH_LEAST, WIDTH_MOST);
     aorta.skeleton = skeleton_shape(drawn.person);
@@ -177,7 +193,7 @@ VesselTree DrawnPerson::tree() const
 {
     VesselTree made =
         coronaries ? tree_of(coronaries->draft, "heart.toml") : tree_of(aorta.draft, "aorta.toml");
-    made.arms = person.arms;
+    made.skeleton = skeleton_shape(person);
     made.seed = seed;
     made.title =
         crn::formatted("Person %llu: %s, %.0f years, %.0f cm, %.0f kg", static_cast<unsigned long long>(seed),

@@ -23,7 +23,8 @@ struct PersonWish {
 
 constexpr double AGE_LEAST = 18, AGE_MOST = 95, HEIGHT_LEAST_CM = 140, HEIGHT_MOST_CM = 205,
                  WEIGHT_LEAST_KG = 32, WEIGHT_MOST_KG = 180, BMI_LEAST = 16, BMI_MOST = 42,
-                 TORTUOSITY_LEAST = 1.08, TORTUOSITY_MOST = 1.4;
+                 TORTUOSITY_LEAST = 1.08, TORTUOSITY_MOST = 1.4, KYPHOSIS_LEAST_DEG = -6,
+                 KYPHOSIS_MOST_DEG = 13;
 
 struct DrawnPerson {
     std::uint64_t seed = 0;

@@ -62,9 +62,13 @@ double apart_mm(const Vessel &one, const Curve &curve, const Vessel &other, cons
 
 Solid trunk_bones(const SkeletonShape &shape)
 {
+    // A person's lumen is the same with the arms in either place.
+    SkeletonShape raised = shape, beside = shape;
+    raised.arms = Arms::raised;
+    beside.arms = Arms::beside;
     Solid solid;
     for (const Solid &one : {spine_bones(shape), rib_bones(shape), pelvis_bones(shape), femur_bones(shape),
-                             shoulder_bones(shape)})
+                             shoulder_bones(raised), shoulder_bones(beside)})
         solid.add(one);
     return solid;
 }

@@ -12,7 +12,8 @@ namespace anatomy
 constexpr double TO_BONE_MM =
     1.0; // the least distance that a lumen keeps from bones, unless the shipped one is closer
 
-/* Returns all bones of the trunk of a person; without changes those of the shipped man. */
+/* Returns all bones of the trunk of a person, with the arms in both places; without changes those of the
+ * shipped man. */
 Solid trunk_bones(const SkeletonShape &shape = {});
 
 /* Holds the measured distances and bends of one tree, in the order of its vessels. */

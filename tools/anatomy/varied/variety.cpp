@@ -1,7 +1,7 @@
 #include "tools/anatomy/varied/variety.hpp"
 #include "host/base/format.hpp"
 #include "host/base/text.hpp"
-#include "tools/anatomy/varied/chance.hpp"
+#include "tools/anatomy/chance.hpp"
 #include "tools/anatomy/varied/plausible.hpp"
 #include <algorithm>
 #include <array>
@@ -89,6 +89,20 @@ Shipped read_shipped()
     shipped.bones = trunk_bones();
     shipped.spaces = spaces_of(vessels_of(shipped.draft), shipped.bones);
     return shipped;
+}
+
+/* Returns what is shipped, moved with the spine of a person with these bones. */
+Shipped moved_shipped(const Shipped &shipped, const SkeletonShape &skeleton)
+{
+    Shipped moved = shipped;
+    for (GivenVessel &given : moved.draft.vessels)
+        given.vessel = moved_with_spine({given.vessel}, skeleton.bend).front();
+    for (std::vector<Station> &trunk : moved.trunks)
+        for (Station &station : trunk)
+            station.position_mm = moved_with_spine(skeleton.bend, station.position_mm);
+    moved.bones = trunk_bones(skeleton);
+    moved.spaces = spaces_of(vessels_of(moved.draft), moved.bones);
+    return moved;
 }
 
 /* The shares of the arch types and of the common trunk are rounded values of published CT series
@@ -377,8 +391,7 @@ double amplitude_for(const Vessel &straight, double wanted, const Chance &chance
     return 0.5 * (low + high);
 }
 
-DrawnAorta attempt(const Shipped &shipped, std::uint64_t seed, unsigned number, const AortaWish &wish,
-                   const TreeSpaces &usual, const Solid &bones)
+DrawnAorta attempt(const Shipped &shipped, std::uint64_t seed, unsigned number, const AortaWish &wish)
 {
     // The arch depends only on the seed, and not on the attempt, so that the rules do not change how often
     // each arch type occurs.
@@ -404,7 +417,7 @@ DrawnAorta attempt(const Shipped &shipped, std::uint64_t seed, unsigned number, 
     scale_diameters(drawn, wish, chance);
     for (size_t i = 0; i < drawn.draft.vessels.size(); ++i) {
         Vessel &vessel = drawn.draft.vessels[i].vessel;
-        give_way_to_bones(vessel, std::min(usual.to_bone_mm[i], TO_BONE_MM), bones);
+        give_way_to_bones(vessel, std::min(shipped.spaces.to_bone_mm[i], TO_BONE_MM), shipped.bones);
         for (Station &station : vessel.stations)
             station.position_mm = station.position_mm.unaryExpr(&rounded);
     }
@@ -475,21 +488,20 @@ double arch_width_mm(const std::vector<Vessel> &vessels)
 DrawnAorta drawn_aorta(std::uint64_t seed, const AortaWish &wish)
 {
     constexpr double TORTUOSITY_OFF = 0.03; // of what is asked for
-    static const Shipped shipped = read_shipped();
-    const bool is_shipped_man = wish.skeleton == SkeletonShape{};
-    const Solid own_bones = is_shipped_man ? Solid{} : trunk_bones(wish.skeleton);
-    const Solid &bones = is_shipped_man ? shipped.bones : own_bones;
-    const TreeSpaces usual = is_shipped_man ? shipped.spaces : spaces_of(vessels_of(shipped.draft), bones);
+    static const Shipped shipped_man = read_shipped();
+    const Shipped shipped =
+        wish.skeleton == SkeletonShape{} ? shipped_man : moved_shipped(shipped_man, wish.skeleton);
+    const TreeSpaces &usual = shipped.spaces;
     for (unsigned number = 0; number < ATTEMPTS_MAX; ++number) {
         AortaWish tried = wish;
         // A width that the first attempts do not reach is approached less and less.
         constexpr unsigned PATIENT = 8;
         if (number > PATIENT)
             tried.arch_width = std::lerp(wish.arch_width, 1.0, std::min(1.0, (number - PATIENT) / 60.0));
-        DrawnAorta drawn = attempt(shipped, seed, number, tried, usual, bones);
+        DrawnAorta drawn = attempt(shipped, seed, number, tried);
         const std::vector<Vessel> vessels = vessels_of(drawn.draft);
         const ArchFigures measured = arch_figures(vessels);
-        if (measured.type != drawn.arch.type || !broken_rule(vessels, usual, bones).empty() ||
+        if (measured.type != drawn.arch.type || !broken_rule(vessels, usual, shipped.bones).empty() ||
             !begins_in_parents(drawn.draft))
             continue;
         drawn.arch = measured;
