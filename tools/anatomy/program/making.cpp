@@ -6,12 +6,12 @@
 #include "host/base/progress_line.hpp"
 #include "host/base/terminal.hpp"
 #include "host/base/text.hpp"
-#include "tools/anatomy/breath.hpp"
 #include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/lesions.hpp"
 #include "tools/anatomy/output.hpp"
 #include "tools/anatomy/small/small_tree.hpp"
 #include "tools/anatomy/small/stated.hpp"
+#include "tools/anatomy/soft/breath.hpp"
 #include "tools/anatomy/varied/persons.hpp"
 #include "tools/anatomy/vessel_file.hpp"
 #include <algorithm>

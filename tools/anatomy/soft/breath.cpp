@@ -1,4 +1,4 @@
-#include "tools/anatomy/breath.hpp"
+#include "tools/anatomy/soft/breath.hpp"
 #include "tools/anatomy/organs.hpp"
 #include <algorithm>
 #include <cmath>

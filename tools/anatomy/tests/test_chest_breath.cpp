@@ -2,7 +2,7 @@
 // stated excursion, the heart as in the heart that beats, and not the arteries and kidneys, which the core
 // holds still. The map must not turn tissue inside out, so that surfaces that do not cross at rest do not
 // cross after a breath.
-#include "tools/anatomy/breath.hpp"
+#include "tools/anatomy/soft/breath.hpp"
 #include "tools/anatomy/vessel_file.hpp"
 
 #include <algorithm>
