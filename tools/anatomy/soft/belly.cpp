@@ -123,8 +123,8 @@ Solid spleen()
 
 Solid bladder(const SoftShape &shape)
 {
-    // It is nearly empty, as after a patient was asked to void, and lies on the floor of the pelvis behind the
-    // symphysis. Its size differs from person to person.
+    // It is nearly empty, as after a patient was asked to void, and lies on the floor of the pelvis behind
+    // the symphysis. Its size differs from person to person.
     constexpr double FLOOR_OF_BLADDER_MM = -297.0;
     const double size = shape.bowel_seed == 0 ? 1.0 : 0.75 + 0.3 * (shape.bowel_seed % 101) / 100.0;
     const Vec3 half = size * Vec3(37, 20, 26);
