@@ -24,6 +24,7 @@ struct Body {
     std::vector<Eigen::Vector3i> vertices_um;            // patient frame
     std::vector<std::array<std::uint32_t, 3>> triangles; // counter-clockwise seen from outside
     bool moves = false;                                  // moves with the scene's motion (motion.hpp)
+    bool is_trabecular = false;                          // has the texture of trabeculae in X-ray pictures
 };
 
 // Identifies a scene file by size and checksum, as recordings do.

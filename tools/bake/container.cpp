@@ -93,7 +93,8 @@ Bytes body_section(const BakedBody &body)
     put_u32(bytes, static_cast<std::uint32_t>(body.parent));
     put_u32(bytes, static_cast<std::uint32_t>(body.mesh.vertices_mm.size()));
     put_u32(bytes, static_cast<std::uint32_t>(body.mesh.triangles.size()));
-    put_u32(bytes, body.moves ? CRN_SCENE_BODY_MOVES : 0);
+    put_u32(bytes, (body.moves ? std::uint32_t{CRN_SCENE_BODY_MOVES} : 0u) |
+                       (body.is_trabecular ? std::uint32_t{CRN_SCENE_BODY_TRABECULAE} : 0u));
     for (const Eigen::Vector3d &v : body.mesh.vertices_mm)
         for (int k = 0; k < 3; ++k)
             put_u32(bytes, static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(v[k] * 1000))));

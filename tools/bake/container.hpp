@@ -14,7 +14,8 @@ struct BakedBody {
     std::string name, material;
     int parent = -1;
     Mesh mesh;
-    bool moves = false; // with the lumen
+    bool moves = false;         // with the lumen
+    bool is_trabecular = false; // has the texture of trabeculae in X-ray pictures
 };
 
 // The functions below check the bytes that they return with the scene reader of shared/scene, and throw Fault

@@ -106,8 +106,11 @@ struct BodyText {
     bool is_lumen = false;
     bool moves = false;     // moves with the lumen
     bool is_marrow = false; // made from the body it lies inside, form.shell_mm deep
+    bool trabeculae = true; // whether its spongy bone shows its texture
     MeshText mesh;
     FormText form;
+
+    bool is_trabecular() const;
 };
 
 // Describes a stretch of a branch that is narrowed by plaque (lesion.hpp).
