@@ -30,6 +30,12 @@ Body read_body(const crn_scene_body_view &view)
         const std::uint8_t *at = view.triangles + 12 * i;
         body.triangles[i] = {crn_scene_u32(at), crn_scene_u32(at + 4), crn_scene_u32(at + 8)};
     }
+    if (view.breath_um) {
+        body.breath_um.resize(view.vertex_count);
+        for (std::size_t i = 0; i < 3 * std::size_t{view.vertex_count}; ++i)
+            body.breath_um.data()->data()[i] =
+                static_cast<std::int16_t>(crn_scene_u16(view.breath_um + 2 * i));
+    }
     return body;
 }
 

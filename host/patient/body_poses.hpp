@@ -1,5 +1,6 @@
 // Computes the shapes of the bodies at a moment: heart and breath move them, and open lesions widen them.
 #pragma once
+#include "host/model/breathing_bodies.hpp"
 #include "host/model/opened_bodies.hpp"
 #include "host/model/scene_anatomy.hpp"
 #include "host/model/wire_frame.hpp"
@@ -21,6 +22,7 @@ class BodyPoses
 
   private:
     std::optional<MovingBodies> moving_;
+    BreathingBodies breathing_;
     OpenedBodies opened_;
     std::vector<MovedBody> moved_;
     std::optional<MotionMoment> moved_at_; // moment to which they were last moved

@@ -14,6 +14,9 @@ crn_scene_body_view crn_scene_body(const crn_scene *scene, uint32_t index)
     body.triangle_count = crn_scene_u32(section + 56);
     body.vertices_um = section + CRN_SCENE_BODY_HEADER_BYTES;
     body.triangles = body.vertices_um + 12 * (size_t)body.vertex_count;
+    body.breath_um = (crn_scene_u32(section + 60) & CRN_SCENE_BODY_BREATHES) != 0
+                         ? body.triangles + 12 * (size_t)body.triangle_count
+                         : NULL;
     return body;
 }
 
@@ -40,6 +43,19 @@ static crn_scene_status check_triangles(crn_scene_check *check, size_t where, ui
     return CRN_SCENE_OK;
 }
 
+/* Checks that a full breath leaves every vertex within the reach of bodies. */
+static crn_scene_status check_breath(crn_scene_check *check, size_t vertices_at, size_t breath_at,
+                                     uint32_t vertex_count)
+{
+    for (size_t i = 0; i < 3 * (size_t)vertex_count; i++) {
+        const int32_t way = (int16_t)crn_scene_u16(check->bytes + breath_at + 2 * i);
+        const int32_t inhaled = crn_scene_i32(check->bytes + vertices_at + 4 * i) + way;
+        if (inhaled > CRN_SCENE_BODY_REACH_um || inhaled < -CRN_SCENE_BODY_REACH_um)
+            return crn_scene_fault_at(check, CRN_SCENE_BODY_VERTEX, breath_at + 2 * i);
+    }
+    return CRN_SCENE_OK;
+}
+
 static crn_scene_status check_body(crn_scene_check *check, uint32_t index, uint32_t body_count,
                                    uint64_t *triangles_before)
 {
@@ -53,19 +69,25 @@ static crn_scene_status check_body(crn_scene_check *check, uint32_t index, uint3
     if (status != CRN_SCENE_OK) return status;
     int32_t parent = crn_scene_i32(header + 48);
     uint32_t vertices = crn_scene_u32(header + 52), triangles = crn_scene_u32(header + 56);
-    if (crn_scene_u32(header + 60) > (CRN_SCENE_BODY_MOVES | CRN_SCENE_BODY_TRABECULAE))
+    const uint32_t flags = crn_scene_u32(header + 60), motion = flags & ~(uint32_t)CRN_SCENE_BODY_TRABECULAE;
+    const bool breathes = motion == CRN_SCENE_BODY_BREATHES && check->minor >= 9;
+    if ((motion > CRN_SCENE_BODY_MOVES && !breathes) || (flags != motion && check->minor < 10))
         return crn_scene_fault_at(check, CRN_SCENE_RESERVED, span.offset + 60);
     if (parent < -1 || parent >= (int32_t)body_count)
         return crn_scene_fault_at(check, CRN_SCENE_BODY_PARENT, span.offset + 48);
     *triangles_before += triangles;
     if (triangles == 0 || *triangles_before > CRN_SCENE_TRIANGLE_MAX)
         return crn_scene_fault_at(check, CRN_SCENE_BODY_SIZE, span.offset + 56);
-    if (span.size != CRN_SCENE_BODY_HEADER_BYTES + 12 * ((uint64_t)vertices + triangles))
+    const uint64_t breath_bytes = breathes ? (uint64_t)CRN_SCENE_BODY_BREATH_BYTES * vertices : 0;
+    if (span.size != CRN_SCENE_BODY_HEADER_BYTES + 12 * ((uint64_t)vertices + triangles) + breath_bytes)
         return crn_scene_fault_at(check, CRN_SCENE_SECTION_SIZE, span.offset + 52);
     size_t first = span.offset + CRN_SCENE_BODY_HEADER_BYTES;
     status = check_vertices(check, first, vertices);
     if (status != CRN_SCENE_OK) return status;
-    return check_triangles(check, first + 12 * (size_t)vertices, triangles, vertices);
+    const size_t triangles_at = first + 12 * (size_t)vertices;
+    status = check_triangles(check, triangles_at, triangles, vertices);
+    if (status != CRN_SCENE_OK || !breathes) return status;
+    return check_breath(check, first, triangles_at + 12 * (size_t)triangles, vertices);
 }
 
 /* Returns whether the path from a body through its parents (the bodies that surround it) ends in the

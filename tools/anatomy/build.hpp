@@ -16,6 +16,7 @@ namespace anatomy
 struct Body {
     std::string name, material, inside;
     MeshRequest request;
+    bool is_breathing = false; // a file NAME_inhaled.ply states it after a full breath (breath.hpp)
 };
 
 struct Fineness {

@@ -158,6 +158,7 @@ void write_scene(const std::filesystem::path &file, const VesselTree &tree, cons
                 ".ply\"\nunit = \"mm\"\n";
         text += "material = \"" + body.material + "\"\n";
         if (tree.coronary_count > 0 && moves_with_heart(body.name)) text += "moves = true\n";
+        if (body.is_breathing) text += "inhaled = \"" + file_stem(body.name) + "_inhaled.ply\"\n";
         if (!body.inside.empty()) text += "inside = \"" + body.inside + "\"\n";
     }
     crn::write_whole_file(file.string(), text);

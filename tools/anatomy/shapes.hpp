@@ -125,6 +125,12 @@ class Plate : public Shape
         return std::abs(normal_.dot(point - edges_[0].start)) - thickest_mm_ >= limit_mm ||
                bounds.is_beyond(point, limit_mm);
     }
+    /* Returns whether the distance to a point inside may be less than `depth_mm`, which is negative. */
+    bool may_be_below(const Vec3 &point, double depth_mm) const
+    {
+        return std::abs(normal_.dot(point - edges_[0].start)) - thickest_mm_ < depth_mm &&
+               bounds.squared_distance(point) == 0.0;
+    }
 
   private:
     struct Edge {                // from corner i to corner i + 1

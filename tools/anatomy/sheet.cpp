@@ -31,7 +31,10 @@ double Sheet::nearest_in(const Patch &patch, const Vec3 &point, double best) con
 {
     for (size_t i = patch.first; i < patch.last; i++) {
         const Plate &plate = (*plates_)[i];
-        if (!plate.is_beyond(point, best)) best = std::min(best, plate.distance(point));
+        // Inside, the deepest of the plates that overlap counts: the marrow lies at a depth below the
+        // surface.
+        if (best > 0.0 ? !plate.is_beyond(point, best) : plate.may_be_below(point, best))
+            best = std::min(best, plate.distance(point));
     }
     return best;
 }
@@ -47,8 +50,9 @@ double Sheet::distance(const Vec3 &point) const
     const auto nearest =
         static_cast<size_t>(std::min_element(squared_mm.begin(), squared_mm.end()) - squared_mm.begin());
     double best = nearest_in(patches_[nearest], point, 1e9);
-    for (size_t i = 0; i < patches_.size() && best > 0.0; i++)
-        if (i != nearest && squared_mm[i] < best * best) best = nearest_in(patches_[i], point, best);
+    for (size_t i = 0; i < patches_.size(); i++)
+        if (i != nearest && (best > 0.0 ? squared_mm[i] < best * best : squared_mm[i] == 0.0))
+            best = nearest_in(patches_[i], point, best);
     return best;
 }
 

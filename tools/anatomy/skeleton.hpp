@@ -41,7 +41,7 @@ struct SkeletonShape {
     Arms arms = Arms::raised;
     double age_years = 60.0; // beyond 60, the ribs slope less
     SpineBend bend = {};
-    std::uint32_t sides_seed = 0; // draws how left and right differ; 0: they are mirror images
+    std::uint32_t sides_seed = 0; // draws how left and right differ; 0: as in the shipped man
     bool operator==(const SkeletonShape &) const = default;
 };
 

@@ -229,6 +229,7 @@ void check_files(const SceneText &text, const Options &options)
     for (const BodyText &body : text.bodies) {
         if (!body.is_lumen && !body.is_marrow)
             inputs.push_back({"body '" + body.name + "'", body.mesh.file.string()});
+        inputs.push_back({"body '" + body.name + "', inhaled", body.inhaled.string()});
     }
     check_outputs(inputs, {{"--output", options.output.string()},
                            {"the bodies of --output", bodies_file(options.output).string()},
@@ -332,6 +333,7 @@ std::string bake(const Options &options, Progress &progress)
 
     std::vector<BakedBody> bodies = make_bodies(text, surface, vessels, report, progress);
     report += nesting_report(bodies, nesting_samples);
+    report += breath_report(bodies, nesting_samples);
     if (motion) to_reference(*motion, bodies);
     Bytes picture;
     const bool has_picture = !bodies.empty() || !posed_vessels.branches.empty();

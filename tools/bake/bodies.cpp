@@ -107,6 +107,7 @@ class Maker
             progress_.step(i);
             const BodyText &body = text_.bodies[i];
             if (!body.is_lumen && !body.is_marrow) bases_[i] = load_body(body);
+            if (!body.inhaled.empty()) bodies_[i].inhaled_mm = load_inhaled(body, bases_[i]);
         }
     }
 
@@ -158,6 +159,9 @@ class Maker
         mesh = body.is_lumen ? lumen_ : form_body(body, std::move(bases_[i]), bodies_, reports_[i]);
         if (!body.is_lumen && body.material == "blood" && !tree_.lesions.empty())
             narrow(mesh, lesions_within(tree_, TriangleTree(mesh)));
+        if (!body.inhaled.empty() && bodies_[i].inhaled_mm.size() != mesh.vertices_mm.size())
+            throw Fault(body.mesh.file.string() + ": a lesion changes body '" + body.name +
+                        "', so its `inhaled` does not fit: leave `inhaled` out");
     }
 
     const SceneText &text_;

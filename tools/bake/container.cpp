@@ -85,6 +85,18 @@ Bytes motion_section(const crn_lattice &lattice, std::uint16_t keyframes,
     return bytes;
 }
 
+// Writes the displacement of every vertex by a full breath. The positions are rounded first, so that the
+// inhaled body has exactly the rounded positions.
+void put_breath(Bytes &bytes, const BakedBody &body)
+{
+    for (std::size_t i = 0; i < body.inhaled_mm.size(); ++i)
+        for (int k = 0; k < 3; ++k) {
+            const long way_um =
+                std::lround(body.inhaled_mm[i][k] * 1000) - std::lround(body.mesh.vertices_mm[i][k] * 1000);
+            put_u16(bytes, static_cast<std::uint16_t>(static_cast<std::int16_t>(way_um)));
+        }
+}
+
 Bytes body_section(const BakedBody &body)
 {
     Bytes bytes;
@@ -93,13 +105,16 @@ Bytes body_section(const BakedBody &body)
     put_u32(bytes, static_cast<std::uint32_t>(body.parent));
     put_u32(bytes, static_cast<std::uint32_t>(body.mesh.vertices_mm.size()));
     put_u32(bytes, static_cast<std::uint32_t>(body.mesh.triangles.size()));
-    put_u32(bytes, (body.moves ? std::uint32_t{CRN_SCENE_BODY_MOVES} : 0u) |
-                       (body.is_trabecular ? std::uint32_t{CRN_SCENE_BODY_TRABECULAE} : 0u));
+    const std::uint32_t motion = body.moves                 ? CRN_SCENE_BODY_MOVES
+                                 : !body.inhaled_mm.empty() ? CRN_SCENE_BODY_BREATHES
+                                                            : 0;
+    put_u32(bytes, body.is_trabecular ? motion | CRN_SCENE_BODY_TRABECULAE : motion);
     for (const Eigen::Vector3d &v : body.mesh.vertices_mm)
         for (int k = 0; k < 3; ++k)
             put_u32(bytes, static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(v[k] * 1000))));
     for (const Triangle &t : body.mesh.triangles)
         for (std::uint32_t corner : t) put_u32(bytes, corner);
+    put_breath(bytes, body);
     return bytes;
 }
 

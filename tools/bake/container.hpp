@@ -14,7 +14,9 @@ struct BakedBody {
     std::string name, material;
     int parent = -1;
     Mesh mesh;
-    bool moves = false;         // with the lumen
+    bool moves = false; // with the lumen
+    std::vector<Eigen::Vector3d> inhaled_mm =
+        {};                     // the vertices after a full breath; empty: breath does not move it
     bool is_trabecular = false; // has the texture of trabeculae in X-ray pictures
 };
 

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 
 namespace crn::bake
@@ -156,6 +157,25 @@ Mesh load_body(const BodyText &body)
     return mesh;
 }
 
+std::vector<Eigen::Vector3d> load_inhaled(const BodyText &body, const Mesh &rest)
+{
+    constexpr double longest_mm = 30.0; // the body file holds displacements up to 32.7 mm
+    BodyText text = body;
+    text.mesh.file = body.inhaled;
+    const Mesh mesh = load_body(text);
+    if (mesh.triangles != rest.triangles || mesh.vertices_mm.size() != rest.vertices_mm.size())
+        throw Fault(body.inhaled.string() + ": has other triangles than " + rest.name +
+                    ": it must be the same mesh with its vertices moved");
+    for (std::size_t i = 0; i < mesh.vertices_mm.size(); ++i) {
+        const double way_mm = (mesh.vertices_mm[i] - rest.vertices_mm[i]).norm();
+        if (way_mm > longest_mm)
+            throw Fault(body.inhaled.string() + ": the vertex at " + place_text(rest.vertices_mm[i]) +
+                        formatted(" moves by %.1f mm, more than %.0f", way_mm, longest_mm) +
+                        ": is it placed and scaled as the mesh at rest is?");
+    }
+    return mesh.vertices_mm;
+}
+
 Mesh form_body(const BodyText &body, Mesh base, const std::vector<BakedBody> &made, std::string &report)
 {
     if (body.is_marrow) base = mesh_of(body.inside, made);
@@ -203,9 +223,11 @@ Deviation worst(const Mesh &mesh, Neighbour &of, double sign, std::size_t sample
 
 } // namespace
 
-std::string nesting_report(const std::vector<BakedBody> &bodies, std::size_t samples)
+// Returns the report's lines for all pairs of bodies that `is_asked` names. `when` begins each line's text.
+static std::string pairs_report(const std::vector<BakedBody> &bodies, std::size_t samples,
+                                double tolerated_mm, const std::string &when,
+                                const std::function<bool(const BakedBody &, const BakedBody &)> &is_asked)
 {
-    constexpr double tolerated_mm = 0.3;
     std::vector<Neighbour> all;
     for (const BakedBody &body : bodies) {
         Eigen::AlignedBox3d box;
@@ -216,18 +238,50 @@ std::string nesting_report(const std::vector<BakedBody> &bodies, std::size_t sam
     for (std::size_t i = 0; i < bodies.size(); ++i)
         for (std::size_t k = 0; k < bodies.size(); ++k) {
             const bool is_parent = bodies[i].parent == static_cast<int>(k);
-            if (i == k ||
+            if (i == k || !is_asked(bodies[i], bodies[k]) ||
                 (!is_parent && (bodies[i].parent != bodies[k].parent || !all[i].box.intersects(all[k].box))))
                 continue;
             const Deviation found = worst(bodies[i].mesh, all[k], is_parent ? 1 : -1, samples);
             if (found.largest_mm <= tolerated_mm) continue;
             report +=
-                formatted_line("warning: body '%s' reaches %.1f mm %s '%s' at %s: %s", bodies[i].name.c_str(),
-                               found.largest_mm, is_parent ? "out of" : "into", bodies[k].name.c_str(),
-                               place_text(found.place_mm).c_str(),
+                formatted_line("warning: %sbody '%s' reaches %.1f mm %s '%s' at %s: %s", when.c_str(),
+                               bodies[i].name.c_str(), found.largest_mm, is_parent ? "out of" : "into",
+                               bodies[k].name.c_str(), place_text(found.place_mm).c_str(),
                                is_parent ? "move it, or correct `inside`"
                                          : "move it, put one inside the other, or take one out by `less`");
         }
+    return report;
+}
+
+std::string nesting_report(const std::vector<BakedBody> &bodies, std::size_t samples)
+{
+    constexpr double tolerated_mm = 0.3;
+    return pairs_report(bodies, samples, tolerated_mm, "",
+                        [](const BakedBody &, const BakedBody &) { return true; });
+}
+
+std::string breath_report(const std::vector<BakedBody> &bodies, std::size_t samples)
+{
+    constexpr double tolerated_mm = 1.0;
+    const auto breathes = [](const BakedBody &body) { return !body.inhaled_mm.empty(); };
+    if (std::none_of(bodies.begin(), bodies.end(), breathes)) return "";
+    std::string report;
+    for (const double depth : {0.5, 1.0}) {
+        std::vector<BakedBody> moved = bodies;
+        double longest_mm = 0;
+        for (BakedBody &body : moved)
+            for (std::size_t i = 0; i < body.inhaled_mm.size(); ++i) {
+                const Eigen::Vector3d way_mm = body.inhaled_mm[i] - body.mesh.vertices_mm[i];
+                longest_mm = std::max(longest_mm, way_mm.norm());
+                body.mesh.vertices_mm[i] += depth * way_mm;
+            }
+        if (depth == 1.0)
+            report += formatted_line("breath            moves %td bodies by at most %.1f mm",
+                                     std::count_if(bodies.begin(), bodies.end(), breathes), longest_mm);
+        report += pairs_report(
+            moved, samples, tolerated_mm, depth == 1.0 ? "after a full breath, " : "after half a breath, ",
+            [&](const BakedBody &a, const BakedBody &b) { return breathes(a) || breathes(b); });
+    }
     return report;
 }
 

@@ -25,6 +25,11 @@ Deviation decimate(Mesh &mesh, double error_mm);
 // Reads the mesh of a body from the file that the scene's text names, and closes its openings.
 Mesh load_body(const BodyText &body);
 
+// Reads the positions of a body's vertices after a full breath. `rest` is the mesh that load_body() returned.
+// Throws Fault if the file holds other triangles than `rest`, or a vertex moves by more than 30 mm. A sharp
+// fold of the surface may cross itself; a picture counts path lengths with their signs, so this does no harm.
+std::vector<Eigen::Vector3d> load_inhaled(const BodyText &body, const Mesh &rest);
+
 // Makes one body that the scene's text describes. `base` is the mesh that load_body() returned; marrow needs
 // none. `made` holds the bodies that were made earlier, and the function adds one or two lines to `report`.
 // Several threads may make different bodies at the same time.
@@ -34,5 +39,9 @@ Mesh form_body(const BodyText &body, Mesh base, const std::vector<BakedBody> &ma
 // body, by more than 0.3 mm. Where two bodies overlap, the X-ray picture shows the absorption of both
 // materials. The comparison tests `samples` vertices of each body.
 std::string nesting_report(const std::vector<BakedBody> &bodies, std::size_t samples);
+
+// Returns the same lines for half a breath and for a full breath, where bodies that breathe are off by more
+// than 1 mm. The report is empty if no body breathes.
+std::string breath_report(const std::vector<BakedBody> &bodies, std::size_t samples);
 
 } // namespace crn::bake

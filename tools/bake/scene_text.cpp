@@ -283,7 +283,7 @@ BodyText body_of(const Table &t, bool scene_moves)
     t.check_keys({"name",     "mesh",     "parts",    "pieces_mm", "pieces_min_mm", "unit",
                   "material", "inside",   "axes",     "scale",     "rotate_deg",    "offset_mm",
                   "cap",      "solid_mm", "close_mm", "clip_mm",   "less",          "gap_mm",
-                  "error_mm", "shell_mm", "marrow",   "moves",     "trabeculae"});
+                  "error_mm", "shell_mm", "marrow",   "moves",     "inhaled",       "trabeculae"});
     BodyText body;
     body.name = t.text("name", CRN_SCENE_BODY_NAME_BYTES - 1, "");
     body.material = t.text("material", CRN_SCENE_MATERIAL_BYTES - 1, "");
@@ -298,6 +298,16 @@ BodyText body_of(const Table &t, bool scene_moves)
     if (t.has("trabeculae")) body.trabeculae = t["trabeculae"].truth();
     if (body.moves && !scene_moves)
         t["moves"].fail("'" + body.name + "' moves, but the scene has no [motion]");
+    if (!t.has("inhaled")) return body;
+    body.inhaled = t.resolve(t["inhaled"]);
+    if (body.moves)
+        t["inhaled"].fail("'" + body.name +
+                          "' has inhaled and moves with [motion], which has its own breath: "
+                          "give one of the two");
+    if (body.is_lumen || body.form.solid_mm > 0 || body.form.error_mm > 0)
+        t["inhaled"].fail("'" + body.name +
+                          "' has inhaled, so its mesh must stay as it is: give a mesh file, and neither "
+                          "solid_mm nor error_mm");
     return body;
 }
 

@@ -108,6 +108,7 @@ struct BodyText {
     bool is_marrow = false; // made from the body it lies inside, form.shell_mm deep
     bool trabeculae = true; // whether its spongy bone shows its texture
     MeshText mesh;
+    std::filesystem::path inhaled; // the same mesh after a full breath; empty: breath does not move it
     FormText form;
 
     bool is_trabecular() const;

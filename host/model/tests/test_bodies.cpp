@@ -1,8 +1,12 @@
 // These tests check the following. Reading a body file gives the bodies that were written. A file that is not
-// a body file is refused with a message that names the file, the byte and the remedy.
+// a body file is refused with a message that names the file, the byte and the remedy. A body that breathes
+// lies as in the file at the end of expiration, and is displaced by the stated displacement at the end of
+// inspiration.
 #include "host/model/bodies.hpp"
+#include "host/model/breathing_bodies.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include "shared/scene/scene_write.h"
+#include <cmath>
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -38,6 +42,13 @@ std::vector<std::uint8_t> body_section(const Body &body)
         for (int axis = 0; axis < 3; ++axis) put(static_cast<std::uint32_t>(vertex[axis]));
     for (const auto &triangle : body.triangles)
         for (std::uint32_t corner : triangle) put(corner);
+    if (body.breath_um.empty()) return bytes;
+    crn_scene_put_u32(bytes.data() + 60, CRN_SCENE_BODY_BREATHES);
+    for (const auto &way : body.breath_um)
+        for (int axis = 0; axis < 3; ++axis) {
+            bytes.resize(bytes.size() + 2);
+            crn_scene_put_u16(bytes.data() + bytes.size() - 2, static_cast<std::uint16_t>(way[axis]));
+        }
     return bytes;
 }
 
@@ -146,6 +157,36 @@ static void bodies_are_read_with_the_scene_they_were_baked_with_alone(void **)
     for (const std::string &file : {scene, other, path}) unlink(file.c_str());
 }
 
+static void a_body_breathes_in_steps_of_its_displacement(void **)
+{
+    constexpr std::uint32_t inhaled = 1u << 31;
+    Bodies bodies = two_bodies(), read;
+    for (const Eigen::Vector3i &vertex_um : bodies.bodies[1].vertices_um)
+        bodies.bodies[1].breath_um.emplace_back(0, -12000, vertex_um.x() > 0 ? 1500 : -7);
+    write(body_file(bodies));
+    std::string error;
+    assert_true(read_bodies(path, read, error));
+    unlink(path.c_str());
+    assert_true(read.bodies[0].breath_um.empty() && read.bodies[1].breath_um == bodies.bodies[1].breath_um);
+    const std::vector<Eigen::Vector3i> &rest = read.bodies[1].vertices_um, &way = read.bodies[1].breath_um;
+    BreathingBodies breathing(read);
+    for (const std::uint32_t phase : {0u, inhaled / 10, inhaled / 2, inhaled, inhaled + inhaled / 2, 0u}) {
+        const auto &moved = breathing.at(phase);
+        assert_int_equal(moved.size(), 1);
+        assert_int_equal(moved[0].body, 1);
+        // The depth is sin^4(pi phase), by docs/heart.md.
+        const double sine = std::sin(3.14159265358979 * phase / 4294967296.0);
+        const long step = std::lround(64 * std::pow(sine, 4));
+        assert_int_equal(breath_step(phase), step);
+        for (std::size_t i = 0; i < rest.size(); ++i)
+            for (int k = 0; k < 3; ++k)
+                assert_int_equal(moved[0].vertices_um[i][k],
+                                 rest[i][k] + std::lround(static_cast<double>(way[i][k] * step) / 64));
+    }
+    assert_int_equal(breath_step(0), 0);
+    assert_int_equal(breath_step(inhaled), breath_steps);
+}
+
 int main()
 {
     cmocka_set_message_output(CM_OUTPUT_TAP);
@@ -154,6 +195,7 @@ int main()
         cmocka_unit_test(missing_file_is_named),
         cmocka_unit_test(damaged_file_is_refused_and_leaves_the_old_bodies),
         cmocka_unit_test(bodies_are_read_with_the_scene_they_were_baked_with_alone),
+        cmocka_unit_test(a_body_breathes_in_steps_of_its_displacement),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

@@ -169,6 +169,13 @@ void PathKeeper::see_view()
     }
     still_ = moving_ = {};
     moving_rect_ = {};
+    has_moved_ = {};
+    for (std::size_t i = 0; i < is_moved_.size(); ++i) {
+        if (!is_moved_[i]) continue;
+        const MeshChannel &channel = meshes_.channels[static_cast<std::size_t>(meshes_.channel_of_body[i])];
+        for (const int material : {channel.own, channel.parent})
+            if (material >= 0) has_moved_[static_cast<std::size_t>(material)] = true;
+    }
     if (is_any_moved) {
         size_pictures(meshes_, size, still_);
         size_pictures(meshes_, size, moving_);
@@ -180,9 +187,10 @@ void PathKeeper::see_view()
 }
 
 // Redraws the pixels that the moved bodies cover now or covered before, and adds the bodies to the sums of
-// those that do not move.
+// those that do not move. In a view that is kept, only materials of moved bodies change.
 void PathKeeper::see_moved(const PixelRect &at_least)
 {
+    const bool is_new_view = !at_least.is_empty();
     const PixelRect now = moved_rect();
     const PixelRect touched = around_both(moving_rect_, now);
     moving_rect_ = now;
@@ -191,15 +199,16 @@ void PathKeeper::see_moved(const PixelRect &at_least)
     const int columns = changed_.x1 - changed_.x0;
     run_on_threads(threads_, [&](int thread) {
         const RowRange rows = rows_of_thread(thread, threads_, changed_.y1 - changed_.y0);
-        for (int row = changed_.y0 + rows.begin; row < changed_.y0 + rows.end; ++row)
-            for (int m = 0; m < material_count; ++m) {
-                if (bodies_[m].empty()) continue;
-                const std::size_t begin = static_cast<std::size_t>(row) * view_.size;
-                const std::int32_t *still = still_[m].data() + begin, *moving = moving_[m].data() + begin;
-                std::int32_t *sum = bodies_[m].data() + begin;
-                for (int x = changed_.x0; x < changed_.x0 + columns; ++x) sum[x] = still[x] + moving[x];
-                finish_row(view_, row, changed_.x0, changed_.x1, sum);
-            }
+        std::vector<float> oblique(static_cast<std::size_t>(columns));
+        for (int row = changed_.y0 + rows.begin; row < changed_.y0 + rows.end; ++row) {
+            oblique_of_row(view_, row, changed_.x0, changed_.x1, oblique.data());
+            const std::size_t begin =
+                static_cast<std::size_t>(row) * view_.size + static_cast<std::size_t>(changed_.x0);
+            for (std::size_t m = 0; m < bodies_.size(); ++m)
+                if (!bodies_[m].empty() && (is_new_view || has_moved_[m]))
+                    finish_sum(still_[m].data() + begin, moving_[m].data() + begin, oblique.data(), columns,
+                               bodies_[m].data() + begin);
+        }
     });
 }
 

@@ -47,6 +47,8 @@ class PathKeeper
     CArm carm_;
     View view_;
     std::vector<std::uint8_t> is_moved_; // of each body
+    std::array<bool, material_count>
+        has_moved_{}; // materials of the moved bodies and of what lies around them
     struct Moved {
         std::vector<Eigen::Vector3i> vertices_um; // empty: as in the scene
         PointBox box_um;

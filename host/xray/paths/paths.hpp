@@ -67,6 +67,14 @@ class BodyPaths
 // [begin, end) of one row.
 void finish_row(const View &view, int row, int begin, int end, std::int32_t *line);
 
+// Computes for each pixel [begin, end) of a row the length along its ray divided by the length along the
+// central axis.
+void oblique_of_row(const View &view, int row, int begin, int end, float *oblique);
+
+// Adds two rows of depth sums and converts them as finish_row does. The pointers begin at the first pixel.
+void finish_sum(const std::int32_t *one, const std::int32_t *other, const float *oblique, int count,
+                std::int32_t *to);
+
 // Holds the path lengths in tools, which are added to the path lengths in the bodies. Only the pixels that a
 // tool touches have an entry with path lengths in tools. Several rays pass through each pixel that a tool
 // touches, because tools are thin. Inside a wide tube, all rays of a pixel have nearly the same path length,

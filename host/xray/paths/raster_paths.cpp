@@ -60,6 +60,20 @@ CRN_WIDE void lengthen_row(const std::int32_t *from, const float *oblique, int c
 
 } // namespace
 
+void oblique_of_row(const View &view, int row, int begin, int end, float *oblique)
+{
+    oblique_row(view, row, begin, end, oblique);
+}
+
+CRN_WIDE void finish_sum(const std::int32_t *one, const std::int32_t *other, const float *oblique, int count,
+                         std::int32_t *to)
+{
+    for (int x = 0; x < count; ++x) {
+        const float length = static_cast<float>(one[x] + other[x]) * oblique[x] + 0.5f;
+        to[x] = static_cast<std::int32_t>(length > 0.0f ? length : 0.0f);
+    }
+}
+
 void finish_row(const View &view, int row, int begin, int end, std::int32_t *line)
 {
     float oblique[tile_columns];

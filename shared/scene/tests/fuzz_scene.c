@@ -114,6 +114,8 @@ static void walk(const crn_scene *scene, const uint8_t *end)
         promise(body.triangles + 12 * (size_t)body.triangle_count <= end);
         for (size_t k = 0; k < 3 * (size_t)body.triangle_count; k++)
             promise(crn_scene_u32(body.triangles + 4 * k) < body.vertex_count);
+        promise(!body.breath_um ||
+                body.breath_um + CRN_SCENE_BODY_BREATH_BYTES * (size_t)body.vertex_count <= end);
     }
     for (uint32_t i = 0; i < scene->branch_count; i++) walk_branch(scene, i, end);
     for (uint32_t i = 0; i < scene->small_count; i++) walk_small(scene, i, end);
@@ -150,5 +152,6 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
     if (index == 4) return sample_body_file(bytes, capacity, SAMPLE_LESIONS);
     if (index == 5 || index == 6) return sample_diseased_scene(bytes, capacity, index == 6);
     if (index == 7) return sample_body_file_of(bytes, capacity, SAMPLE_LESIONS, 1);
+    if (index == 8) return sample_breathing_body(bytes, capacity);
     return index == 3 ? sample_moving_scene(bytes, capacity) : 0;
 }

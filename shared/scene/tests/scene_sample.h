@@ -272,6 +272,19 @@ static inline size_t sample_bodies(uint8_t *file, size_t capacity)
     return sample_body_file(file, capacity, SAMPLE_NO_TREE);
 }
 
+/* Writes a file with one body, whose second vertex (1 m along x) moves by -12 mm along y in a full breath. */
+static inline size_t sample_breathing_body(uint8_t *file, size_t capacity)
+{
+    uint8_t meta[CRN_SCENE_META_BYTES], body[SAMPLE_BODY_BYTES + 4 * CRN_SCENE_BODY_BREATH_BYTES] = {0};
+    sample_meta(meta);
+    sample_body(body, "lung", -1);
+    crn_scene_put_u32(body + 60, CRN_SCENE_BODY_BREATHES);
+    crn_scene_put_u16(body + SAMPLE_BODY_BYTES + CRN_SCENE_BODY_BREATH_BYTES + 2, (uint16_t)-12000);
+    const crn_scene_part parts[2] = {{CRN_SCENE_META, meta, sizeof meta},
+                                     {CRN_SCENE_BODY, body, sizeof body}};
+    return crn_scene_write(CRN_SCENE_KIND_BODIES, parts, 2, file, capacity);
+}
+
 /* Corrects every CRC that can still be found by means of the section table. */
 static inline void sample_seal(uint8_t *file, size_t size)
 {

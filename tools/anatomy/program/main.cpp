@@ -47,8 +47,11 @@ int make(const Options &options, const char *kind,
         tree.made_by = crn::formatted("%s --seed %s", kind, std::to_string(drawn->seed).c_str());
         tree.seed = drawn->seed;
     }
-    make_scene(options, tree, (options.bodies ? bodies_of : no_bodies)(tree, options.fineness),
-               [](const std::string &, const Mesh &) {});
+    const std::vector<Body> bodies = (options.bodies ? bodies_of : no_bodies)(tree, options.fineness);
+    if (tree.is_in_patient && options.bodies)
+        make_breathing_scene(options, tree, bodies, {});
+    else
+        make_scene(options, tree, bodies, [](const std::string &, const Mesh &) {});
     if (drawn) crn::write_whole_file((options.folder / "vessels.toml").string(), vessel_file_text(*drawn));
     return 0;
 }

@@ -11,6 +11,7 @@
 #include "tools/anatomy/output.hpp"
 #include "tools/anatomy/small/small_tree.hpp"
 #include "tools/anatomy/small/stated.hpp"
+#include "tools/anatomy/soft/breath.hpp"
 #include "tools/anatomy/varied/persons.hpp"
 #include "tools/anatomy/vessel_file.hpp"
 #include <algorithm>
@@ -161,6 +162,20 @@ void make_scene(const Options &options, const VesselTree &tree, const std::vecto
         "%s: lumen %zu triangles, %zu bodies with %zu triangles, %zu centrelines, %zu small vessels\n",
         (options.folder / "scene.toml").string().c_str(), lumen, made.size(), total, tree.vessels.size(),
         small.size());
+}
+
+void make_breathing_scene(const Options &options, const VesselTree &tree, std::vector<Body> bodies,
+                          const Person &person)
+{
+    const Breath breath(tree, person);
+    for (Body &body : bodies) body.is_breathing = breathes(body.name);
+    make_scene(options, tree, bodies, [&](const std::string &name, const Mesh &mesh) {
+        if (!breathes(name)) return;
+        Mesh inhaled{breath.inhaled(mesh.vertices_mm), mesh.triangles};
+        enlarge(inhaled.vertices_mm, options.scale);
+        write_ply(options.folder / (file_stem(name) + "_inhaled.ply"), inhaled,
+                  "Cournand anatomy, " + name + " after a full breath, millimetres");
+    });
 }
 
 std::vector<Body> no_bodies(const VesselTree &, const Fineness &)

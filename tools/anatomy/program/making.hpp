@@ -43,6 +43,10 @@ void make_bodies(const Options &options, const std::vector<Body> &bodies, const 
 void make_scene(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies,
                 const Keep &keep);
 
+/* Does the same for a patient whose heart does not beat: breath moves the lungs and what lies below them. */
+void make_breathing_scene(const Options &options, const VesselTree &tree, std::vector<Body> bodies,
+                          const Person &person);
+
 std::vector<Body> no_bodies(const VesselTree &, const Fineness &);
 
 } // namespace anatomy

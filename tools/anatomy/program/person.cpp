@@ -137,6 +137,8 @@ int PersonCommand::make()
         bodies = patient_bodies(tree, options_.fineness, drawn.person);
     if (wish_.has_coronaries)
         make_heart_scene(options_, tree, bodies);
+    else if (options_.bodies)
+        make_breathing_scene(options_, tree, bodies, drawn.person);
     else
         make_scene(options_, tree, bodies, [](const std::string &, const Mesh &) {});
     crn::write_whole_file((options_.folder / "person.toml").string(),

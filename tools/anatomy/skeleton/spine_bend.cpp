@@ -101,7 +101,7 @@ double usual_added_kyphosis_deg(Sex sex, double age_years)
 SideDifference side_difference(std::uint32_t seed, size_t level)
 {
     SideDifference left;
-    if (seed == 0 || level < T1) return left;
+    if (level < T1) return left; // the neck is its own mirror image
     // The tips of many spinous processes lie aside even where the vertebra is not turned (PMID 2781411, CT of
     // 200 lumbar vertebrae). The amounts are assumed.
     Chance chance(seed, level);

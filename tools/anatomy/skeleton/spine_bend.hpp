@@ -12,7 +12,7 @@ double usual_added_kyphosis_deg(Sex sex, double age_years);
 /* Returns the depth of the middle of the shipped man's spine at a height. */
 double spine_course_z_mm(double y_mm);
 
-/* Draws how the sides of a vertebra differ. Seed 0: they do not. */
+/* Draws how the sides of a vertebra differ. */
 SideDifference side_difference(std::uint32_t seed, size_t level);
 
 } // namespace anatomy

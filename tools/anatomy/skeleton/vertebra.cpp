@@ -157,11 +157,13 @@ void add_spinous(const Builder &b)
     const Vec3 top = b.f.at(0, -0.02 * h, start_z), low = top + (2.0 * high - 2.0) * down;
     const Vec3 tip_top = top + (length - 3.0) * along + 1.5 * down + 0.7 * aside;
     const Vec3 tip_low = top + length * along + (2.0 * high - 1.0) * down + aside;
-    // The blade widens backwards and downwards, so that no ray of an AP view runs along its sides.
-    b.part.plate(top, low, tip_low, Vec3(1.6, 2.6, 4.0), 0.7);
-    b.part.plate(top, tip_top, tip_low, Vec3(1.6, 2.8, 4.0), 0.7);
-    b.part.rod({tip_top, 0.5 * (tip_top + tip_low), tip_low}, {2.9, 3.6, 4.8}, 0.7);
-    b.part.rod({low, 0.5 * (low + tip_low) + 0.8 * down, tip_low}, {2.7, 3.6, 4.8}, 0.7);
+    // The blade widens backwards and downwards by 6 degrees, so that no ray of an AP view runs far along its
+    // sides; these are thin, and the shadow is that of the tip (PMID 2781411).
+    constexpr double CORTEX_MM = 0.5;
+    b.part.plate(top, low, tip_low, Vec3(1.4, 1.6, 4.6), CORTEX_MM);
+    b.part.plate(top, tip_top, tip_low, Vec3(1.4, 3.4, 4.6), CORTEX_MM);
+    b.part.rod({tip_top, 0.5 * (tip_top + tip_low), tip_low}, {3.4, 4.2, 5.0}, CORTEX_MM);
+    b.part.rod({low, 0.5 * (low + tip_low) + 0.8 * down, tip_low}, {1.8, 3.2, 5.0}, CORTEX_MM);
 }
 
 } // namespace

@@ -279,6 +279,56 @@ void what_is_no_sequence_is_refused(void **)
     assert_false(std::filesystem::exists(folder.path / "out.scene"));
 }
 
+// A ball of 8 mm in a box of 20 mm goes down by 3 mm with a full breath. The core's scene must not differ
+// from that of a ball that does not breathe.
+void a_body_that_breathes_changes_no_byte_of_the_scene(void **)
+{
+    Folder folder;
+    Progress progress;
+    folder.write("lumen.obj", obj_of(torus(motion_ring_mm, motion_tube_mm, around, across)));
+    Mesh ball = cube(8), box = cube(20);
+    for (Eigen::Vector3d &v : ball.vertices_mm) v += Eigen::Vector3d(6, 4, 6);
+    folder.write("box.obj", obj_of(box));
+    folder.write("ball.obj", obj_of(ball));
+    for (Eigen::Vector3d &v : ball.vertices_mm) v.y() -= 3;
+    folder.write("inhaled.obj", obj_of(ball));
+    for (Eigen::Vector3d &v : ball.vertices_mm) v.y() -= 3;
+    folder.write("deep.obj", obj_of(ball));
+    const auto body = [](const char *name, const char *mesh, const std::string &more) {
+        return "[[body]]\nname = \"" + std::string(name) + "\"\nmesh = \"" + mesh +
+               "\"\nunit = \"mm\"\nmaterial = \"soft\"\n" + more;
+    };
+    const std::string still = scene_text_of("lumen.obj", "", "[0, 40, 0]") + body("box", "box.obj", "") +
+                              body("ball", "ball.obj", "inside = \"box\"\n");
+    const auto bytes_of = [&](const std::string &text, std::string &report) {
+        report = crn::bake::bake(options_for(folder, text), progress);
+        std::ifstream file(folder.path / "out.scene", std::ios::binary);
+        return std::string(std::istreambuf_iterator<char>(file), {});
+    };
+    std::string report;
+    const std::string expected = bytes_of(still, report);
+    assert_true(report.find("breath") == std::string::npos);
+    assert_true(bytes_of(still + "inhaled = \"inhaled.obj\"\n", report) == expected);
+    assert_true(report.find("breath            moves 1 bodies by at most 3.0 mm") != std::string::npos);
+    assert_true(report.find("warning") == std::string::npos);
+    std::string error;
+    Bodies bodies;
+    assert_true(read_bodies((folder.path / "out.bodies").string(), bodies, error));
+    assert_true(bodies.bodies.at(0).breath_um.empty());
+    assert_int_equal(bodies.bodies.at(1).breath_um.at(5).y(), -3000);
+    bytes_of(still + "inhaled = \"deep.obj\"\n", report);
+    const auto says = [](const std::string &text, const char *part) {
+        if (text.find(part) == std::string::npos) fail_msg("\"%s\" does not say \"%s\"", text.c_str(), part);
+    };
+    says(report, "warning: after a full breath, body 'ball' reaches 2.0 mm out of 'box'");
+    const auto why = [&](const std::string &more) {
+        return complaint([&] { crn::bake::bake(options_for(folder, still + more), progress); });
+    };
+    says(why("inhaled = \"lumen.obj\"\n"), "has other triangles than");
+    says(why("inhaled = \"inhaled.obj\"\nsolid_mm = 1\n"), "so its mesh must stay as it is");
+    says(why("inhaled = \"nowhere.obj\"\n"), "nowhere.obj");
+}
+
 } // namespace
 
 int main()
@@ -291,6 +341,7 @@ int main()
         cmocka_unit_test(a_lesion_moves_with_its_vessel),
         cmocka_unit_test(frames_of_another_timing_are_retimed),
         cmocka_unit_test(what_is_no_sequence_is_refused),
+        cmocka_unit_test(a_body_that_breathes_changes_no_byte_of_the_scene),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

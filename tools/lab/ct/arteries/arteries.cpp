@@ -175,10 +175,12 @@ FoundArteries find_arteries(const Volume &scan, const Mask &body, const std::vec
     add_stack(scan, bright, found.ascending, sources);
     const Mask start = mask_from(scan, sources);
     report("separate arteries", 0.6);
+    const std::vector<std::size_t> gates = gate_below(scan, found.ascending);
+    Mask unaided;
+    if (has_artery_click(clicks)) unaided = grow_arteries(scan, bright, {}, sources, gates, {}).artery;
     for (const Source &source : sources_of(scan, bright, clicks)) sources.push_back(source);
-    Grown grown =
-        grow_arteries(scan, bright, {}, std::move(sources), gate_below(scan, found.ascending), clicks);
-    trace_clicked(scan, bright, contrast, clicks, start, grown.artery, grown.tubes, findings);
+    Grown grown = grow_arteries(scan, bright, {}, std::move(sources), gates, clicks);
+    trace_clicked(scan, bright, contrast, clicks, unaided, start, grown.artery, grown.tubes, findings);
     join_clicked(scan, bright, clicks, start, grown.artery, grown.tubes, findings);
     keep_connected(scan, start, grown.artery);
     found.root_mm = found.has_aorta ? place_of(scan, found.ascending.empty() ? found.descending.back()
@@ -205,7 +207,7 @@ void mend_arteries(const Volume &scan, const Mask &body, const Contrast &contras
     for (const Ball &ball : cuts) for_ball(scan, ball, [&](std::size_t at) { artery[at] = aorta[at] = 0; });
     keep_largest(scan, aorta);
     Grown grown = grow_arteries(scan, bright, artery, sources_of(scan, bright, clicks), {}, clicks);
-    trace_clicked(scan, bright, contrast, clicks, aorta, grown.artery, grown.tubes, findings);
+    trace_clicked(scan, bright, contrast, clicks, artery, aorta, grown.artery, grown.tubes, findings);
     join_clicked(scan, bright, clicks, aorta, grown.artery, grown.tubes, findings);
     keep_connected(scan, aorta, grown.artery);
     const int added = labels.names.rbegin()->first + 1;

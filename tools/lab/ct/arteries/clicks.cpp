@@ -78,6 +78,12 @@ bool Click::is_same(const Click &other) const
     return clicks_text({*this}) == clicks_text({other});
 }
 
+bool has_artery_click(const std::vector<Click> &clicks)
+{
+    return std::any_of(clicks.begin(), clicks.end(),
+                       [](const Click &click) { return click.kind == ClickKind::artery; });
+}
+
 std::vector<Click> read_clicks(const std::filesystem::path &file)
 {
     std::vector<Click> clicks;

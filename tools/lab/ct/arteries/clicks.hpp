@@ -32,6 +32,8 @@ struct Click {
     bool is_same(const Click &other) const;
 };
 
+bool has_artery_click(const std::vector<Click> &clicks);
+
 // Reads the file; without a file there are no clicks. Throws FileError "FILE:LINE:COLUMN: click 2: ...".
 std::vector<Click> read_clicks(const std::filesystem::path &file);
 std::string clicks_text(const std::vector<Click> &clicks);

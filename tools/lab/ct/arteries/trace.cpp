@@ -168,14 +168,12 @@ Mask trunk_of(const Volume &scan, const Bright &bright, const Mask &start, const
 } // namespace
 
 void trace_clicked(const Volume &scan, const Bright &bright, const Contrast &contrast,
-                   const std::vector<Click> &clicks, const Mask &start, Mask &artery, Mask &tubes,
-                   Findings &findings)
+                   const std::vector<Click> &clicks, const Mask &unaided, const Mask &start, Mask &artery,
+                   Mask &tubes, Findings &findings)
 {
-    if (std::none_of(clicks.begin(), clicks.end(),
-                     [](const Click &one) { return one.kind == ClickKind::artery; }))
-        return;
+    if (!has_artery_click(clicks)) return;
     Tracer tracer(scan, bright, contrast);
-    const Mask trunk = trunk_of(scan, bright, start, artery);
+    const Mask trunk = trunk_of(scan, bright, start, unaided);
     for (const Click &click : clicks) {
         if (click.kind != ClickKind::artery) continue;
         const std::size_t source = sources_of(scan, bright, {click}).front().at;

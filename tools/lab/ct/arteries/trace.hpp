@@ -11,10 +11,11 @@ constexpr double trace_most_mm = 120;    // of the way in each direction
 constexpr unsigned char thread_mark = 2; // in `tubes`, where 1 is a bridge
 
 // Adds the voxels of the traced arteries to `artery`, and those of them that the wall must not close to
-// `tubes`. The ways lead to arteries that are connected with `start` and wider than 2.8 mm. A click that lies
-// in one of them, or from which no way leads there, adds nothing.
+// `tubes`. The ways lead to arteries that were found without a click (`unaided`), are connected with `start`
+// and are wider than 2.8 mm: what has grown from a click may be bone. A click that lies in one of them, or
+// from which no way leads there, adds nothing.
 void trace_clicked(const Volume &scan, const Bright &bright, const Contrast &contrast,
-                   const std::vector<Click> &clicks, const Mask &start, Mask &artery, Mask &tubes,
-                   Findings &findings);
+                   const std::vector<Click> &clicks, const Mask &unaided, const Mask &start, Mask &artery,
+                   Mask &tubes, Findings &findings);
 
 } // namespace crn::ct

@@ -36,7 +36,7 @@ std::string names_checksum(const NamesTable &names)
     return checksum(text.data(), text.size());
 }
 
-constexpr const char *steps_version = "13"; // another number: every step is made again
+constexpr const char *steps_version = "14"; // another number: every step is made again
 
 struct Patient {
     Volume scan;

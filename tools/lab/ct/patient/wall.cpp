@@ -60,6 +60,34 @@ void sharpen(Volume &level, double cube_mm)
     }
 }
 
+// Whether there is calcium within reach, farther inside the artery than the voxel or beside it. Then the
+// voxel lies in the calcium's blur, which is as bright as blood, and not in the lumen.
+bool is_behind_calcium(const Cut &cut, const Volume &depth, float calcium_HU, int i, int j, int k)
+{
+    constexpr double reach_mm = 1.8, beside = -0.2; // the cosine against the way to the middle
+    const int at[3] = {i, j, k};
+    Vector3d inward = Vector3d::Zero();
+    int reach[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        int low[3] = {i, j, k}, high[3] = {i, j, k};
+        low[axis] = std::max(at[axis] - 2, 0);
+        high[axis] = std::min(at[axis] + 2, depth.size[static_cast<std::size_t>(axis)] - 1);
+        inward[axis] = static_cast<double>(depth.hu[depth.at(low[0], low[1], low[2])] -
+                                           depth.hu[depth.at(high[0], high[1], high[2])]) /
+                       depth.spacing_mm[axis];
+        reach[axis] = static_cast<int>(reach_mm / depth.spacing_mm[axis]);
+    }
+    inward.normalize();
+    for (int z = std::max(k - reach[2], 0); z <= std::min(k + reach[2], depth.size[2] - 1); ++z)
+        for (int y = std::max(j - reach[1], 0); y <= std::min(j + reach[1], depth.size[1] - 1); ++y)
+            for (int x = std::max(i - reach[0], 0); x <= std::min(i + reach[0], depth.size[0] - 1); ++x) {
+                if (cut.scan.hu[cut.scan.at(x, y, z)] <= calcium_HU) continue;
+                const Vector3d way = Vector3d(x - i, y - j, z - k).cwiseProduct(depth.spacing_mm);
+                if (way.norm() <= reach_mm && way.dot(inward) >= beside * way.norm()) return true;
+            }
+    return false;
+}
+
 // 1 at the walls of arteries wider than 6 mm, and 0 from some 2 mm outside them on. These walls can be
 // smoothed without closing the mouths of thin branches.
 Volume near_wide(const Volume &depth)
@@ -147,6 +175,7 @@ Volume wall_level(const Volume &scan, const LabelMap &labels, const Contrast &co
         return depth.hu[at] > 1.8f && depth.hu[at] < 5.0f && cut.scan.hu[at] > air_HU &&
                cut.scan.hu[at] < range.low_HU;
     });
+    const Volume wide = near_wide(depth);
     Volume level = depth;
     for (int k = 0; k < level.size[2]; ++k)
         for (int j = 0; j < level.size[1]; ++j)
@@ -165,16 +194,20 @@ Volume wall_level(const Volume &scan, const LabelMap &labels, const Contrast &co
                 const float deepest = cut.mask.hu[at] == in_thread ? thread_mm : inside_mm;
                 if (cut.mask.hu[at] != in_bridge)
                     value = std::clamp(edge, value - outside_mm, value + deepest);
+                // Only where the artery is wide: a bone beside a thin one is as near.
+                if (value < half_mm && wide.hu[at] > 0.5f && cut.mask.hu[at] <= in_artery &&
+                    is_behind_calcium(cut, depth, range.high_HU, i, j, k))
+                    value = half_mm;
                 value = std::clamp(value, -half_mm, half_mm); // alike on both sides, for the smoothing
             }
     report("find the wall", 0.6);
     sharpen(level, cube_of(scan));
-    const Volume fine = in_cubes(level, cube_of(scan)), wide = in_cubes(near_wide(depth), cube_of(scan));
+    const Volume fine = in_cubes(level, cube_of(scan)), wide_fine = in_cubes(wide, cube_of(scan));
     Volume result = fine;
     report("find the wall", 0.8);
     const Volume even = smoothed(fine, 0.8);
     for (std::size_t at = 0; at < result.count(); ++at)
-        result.hu[at] += wide.hu[at] * (even.hu[at] - result.hu[at]);
+        result.hu[at] += wide_fine.hu[at] * (even.hu[at] - result.hu[at]);
     report("find the wall", 1);
     return result;
 }

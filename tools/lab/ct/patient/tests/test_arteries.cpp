@@ -7,6 +7,7 @@
 #include "tools/lab/ct/arteries/bright.hpp"
 #include "tools/lab/ct/arteries/tubes.hpp"
 #include "tools/lab/ct/patient/wall.hpp"
+#include "tools/lab/ct/snake.hpp"
 #include "tools/lab/ct/surface.hpp"
 #include <algorithm>
 #include <cmath>
@@ -295,11 +296,10 @@ static void a_clicked_artery_is_joined_and_a_cut_takes_away(void **)
     for (const double x : {30.0, 40.0}) assert_artery(labels, {x, 20, -10}, false);
 }
 
-// An artery of 2 mm that is dark over 4 and over 3 mm, as by noise: too dark for the growth, and for the
+// Adds an artery of 2 mm that is dark over 4 and over 3 mm, as by noise: too dark for the growth, and for the
 // wall.
-static void one_click_traces_a_thin_artery_both_ways_through_dark_places(void **)
+static Volume with_dark_artery(double y, double z)
 {
-    const double y = -58, z = -10;
     Volume scan = trunk().scan;
     for (std::size_t at = 0; at < scan.count(); ++at) {
         const Vector3d p = place_at(scan, at);
@@ -308,6 +308,13 @@ static void one_click_traces_a_thin_artery_both_ways_through_dark_places(void **
         fill(value, tube(p, {-8, y, z}, {-66, y, z}, 1.0), is_dark ? 150 : blood_HU);
         scan.hu[at] = static_cast<float>(value);
     }
+    return scan;
+}
+
+static void one_click_traces_a_thin_artery_both_ways_through_dark_places(void **)
+{
+    const double y = -58, z = -10;
+    const Volume scan = with_dark_artery(y, z);
     Findings findings;
     const auto with = [&](const std::vector<Click> &clicks) {
         return find_arteries(scan, trunk().body, clicks, findings, silent);
@@ -321,6 +328,33 @@ static void one_click_traces_a_thin_artery_both_ways_through_dark_places(void **
         if (level.value(level.voxel({x, y, z})) >= 0) fail_msg("closed at x = %.0f", x);
     for (const double x : {-24.0, -40.0, -60.0}) assert_true(level.value(level.voxel({x, y + 2.2, z})) > 0);
     assert_artery(clicked.labels, {0, 10, -37}, false); // a vertebra
+}
+
+// A first click into the marrow of a bone, which an artery feeds, takes the bone. The way from a second
+// click, into an artery beside this bone, must not end there, after 12 mm: the aorta is 21 mm away.
+static void a_way_does_not_end_in_a_bone_that_another_click_took(void **)
+{
+    const double y = -58, z = -10;
+    Volume scan = with_dark_artery(y, z);
+    for (std::size_t at = 0; at < scan.count(); ++at) {
+        const Vector3d p = place_at(scan, at), marrow(-38, -48.5, z), bend(-38, -36, z);
+        const double feed = std::min(tube(p, {0, -36, z}, bend, 1.2), tube(p, bend, marrow, 1.2));
+        double value = static_cast<double>(scan.hu[at]);
+        fill(value, std::min((p - marrow).norm() - 7.5, feed), blood_HU);
+        scan.hu[at] = static_cast<float>(value);
+    }
+    const auto traced_mm = [&](const std::vector<Click> &clicks) {
+        Findings findings;
+        find_arteries(scan, trunk().body, clicks, findings, silent);
+        assert_false(findings.facts.empty());
+        const std::string &fact = findings.facts.back();
+        const std::string start = "traced over ";
+        assert_true(fact.find(start) != std::string::npos);
+        return std::stod(fact.substr(fact.find(start) + start.size()));
+    };
+    const Click in_bone = click_of("artery:-38,-48,-10"), in_artery = click_of("artery:-30,-58,-10");
+    assert_true(traced_mm({in_artery}) > 130);
+    assert_true(traced_mm({in_bone, in_artery}) == traced_mm({in_artery}));
 }
 
 static void the_wall_is_where_the_truth_has_it(void **)
@@ -349,6 +383,32 @@ static void the_wall_is_where_the_truth_has_it(void **)
                     part.sum / part.count, part.offset / part.count);
         assert_true(part.sum / part.count < 0.3); // a third of a voxel
     }
+}
+
+// A plaque of 1.2 mm in the wall of the aorta, as blurred as by a scanner. Around it, its blur is as bright
+// as blood, but the lumen has no pocket there.
+static void the_blur_of_a_plaque_is_no_lumen(void **)
+{
+    Volume scan = trunk().scan;
+    const auto in_plaque = [](const Vector3d &p) {
+        return std::hypot(p.y() - 5, p.z() + 10) < 4 && p.x() < 0;
+    };
+    const auto off_axis = [](const Vector3d &p) { return std::hypot(p.x(), p.z() + 10); };
+    for (std::size_t at = 0; at < scan.count(); ++at) {
+        const Vector3d p = place_at(scan, at);
+        const bool is_calcium = in_plaque(p) && off_axis(p) > trunk_mm - 0.6 && off_axis(p) < trunk_mm + 0.6;
+        if (is_calcium) scan.hu[at] = 1200;
+    }
+    scan = smoothed(scan, 0.6);
+    Findings findings;
+    const FoundArteries of = find_arteries(scan, trunk().body, {}, findings, silent);
+    const Volume level = wall_level(scan, of.labels, contrast_of(of.descending), silent);
+    double farthest_mm = 0;
+    for (const Vector3d &vertex : surface_of(level, "wall").vertices_mm)
+        if (std::hypot(vertex.y() - 5, vertex.z() + 10) < 7 && vertex.x() < 0)
+            farthest_mm = std::max(farthest_mm, off_axis(vertex) - trunk_mm);
+    std::printf("# the lumen reaches %.2f mm over the wall beside a plaque\n", farthest_mm);
+    assert_true(farthest_mm < 0.4);
 }
 
 // The kidney behind its artery is bright, but neither an artery nor a chamber of the heart.
@@ -391,6 +451,7 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(a_click_adds_a_branch_to_a_label_map),
         cmocka_unit_test(a_kidney_keeps_its_medium_in_the_picture),
+        cmocka_unit_test(the_blur_of_a_plaque_is_no_lumen),
         cmocka_unit_test(the_aorta_is_found_beside_a_spine_as_bright),
         cmocka_unit_test(arteries_end_at_bone_kidney_and_gap),
         cmocka_unit_test(a_bone_that_touches_an_artery_does_not_claim_it),
@@ -402,6 +463,7 @@ int main()
         cmocka_unit_test(a_bridge_joins_the_two_ends_of_a_gap),
         cmocka_unit_test(a_clicked_artery_is_joined_and_a_cut_takes_away),
         cmocka_unit_test(one_click_traces_a_thin_artery_both_ways_through_dark_places),
+        cmocka_unit_test(a_way_does_not_end_in_a_bone_that_another_click_took),
         cmocka_unit_test(the_wall_is_where_the_truth_has_it),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
