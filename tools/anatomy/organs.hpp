@@ -51,6 +51,7 @@ Solid psoas();        // both muscles, from T12 to the groin, beside the belly's
 Solid kidneys();
 Solid liver();
 Solid spleen();
+Solid bladder(const SoftShape &shape); // with its urine
 /* Gas of stomach bubble, colon and rectum, expanded by the wall. */
 Solid bowel_gas(const SoftShape &shape, double wall_mm);
 Solid faeces_gas(const SoftShape &shape);            // bubbles in the faeces of the colon

@@ -121,6 +121,20 @@ Solid spleen()
     return solid;
 }
 
+Solid bladder(const SoftShape &shape)
+{
+    // It is nearly empty, as after a patient was asked to void, and lies on the floor of the pelvis behind
+    // the symphysis. Its size differs from person to person.
+    constexpr double FLOOR_OF_BLADDER_MM = -297.0;
+    const double size = shape.bowel_seed == 0 ? 1.0 : 0.75 + 0.3 * (shape.bowel_seed % 101) / 100.0;
+    const Vec3 half = size * Vec3(37, 20, 26);
+    Part part(0.0);
+    part.add<Ellipsoid>(Vec3(0, FLOOR_OF_BLADDER_MM + half.y(), 12), half);
+    Solid solid;
+    solid.add(part);
+    return solid;
+}
+
 namespace
 {
 

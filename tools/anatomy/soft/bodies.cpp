@@ -340,6 +340,9 @@ std::vector<Body> belly_bodies(const SoftShape &shape, const Solid &bones, const
     before.add(liver_shape);
     add("spleen", "muscle", "belly_fat", spleen_shape, 3.0, 0.0);
     before.add(spleen_shape);
+    const Solid bladder_shape = bladder(shape);
+    add("bladder", "soft", "belly_fat", bladder_shape, 2.6, 0.0);
+    before.add(bladder_shape);
     constexpr double WALL_MM = 2.5; // thickness of the bowel's wall around its gas
     const Solid bowels = bowel(shape, WALL_MM);
     add("bowel", "soft", "belly_fat", bowels, 3.0, 0.0);
