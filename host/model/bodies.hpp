@@ -25,6 +25,7 @@ struct Body {
     std::vector<std::array<std::uint32_t, 3>> triangles; // counter-clockwise seen from outside
     bool moves = false;                                  // moves with the scene's motion (motion.hpp)
     std::vector<Eigen::Vector3i> breath_um = {}; // displacement of each vertex by a full breath; empty: none
+    bool is_trabecular = false;                  // has the texture of trabeculae in X-ray pictures
 };
 
 // Identifies a scene file by size and checksum, as recordings do.

@@ -19,6 +19,7 @@ Body read_body(const crn_scene_body_view &view)
     body.material = view.material;
     body.parent = view.parent;
     body.moves = view.moves;
+    body.is_trabecular = view.is_trabecular;
     body.vertices_um.resize(view.vertex_count);
     for (std::size_t i = 0; i < view.vertex_count; ++i) {
         const std::uint8_t *at = view.vertices_um + 12 * i;

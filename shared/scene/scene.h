@@ -25,8 +25,9 @@ enum {
     CRN_SCENE_MAJOR = 1,
     /* minor version; files get the lowest that covers their contents: 1 for a body that moves, a TREE; 2 for
        LESIONS; 3 for PLAQUES; 4 for MOTION and BREATH; 5 for PARTNER; 6 for an ENTRY with a start length;
-       7 for SMALL; 8 for a small vessel that joins another one; 9 for a body that breathes */
-    CRN_SCENE_MINOR = 9,
+       7 for SMALL; 8 for a small vessel that joins another one; 9 for a body that breathes; 10 for a body
+       with trabeculae */
+    CRN_SCENE_MINOR = 10,
     CRN_SCENE_ALIGNMENT = 16,       /* of sections in the file */
     CRN_SCENE_ADDRESS_MULTIPLE = 4, /* of the bytes in memory */
     CRN_SCENE_HEADER_BYTES = 32,
@@ -73,7 +74,8 @@ enum {
     CRN_SCENE_SMALL_FLOW_MAX_nl_per_s = 100000000,
     CRN_SCENE_BODY_MOVES = 1,        /* flag of a body: it moves with the scene's MOTION */
     CRN_SCENE_BODY_BREATHES = 2,     /* flag of a body: it states its displacement by a full breath */
-    CRN_SCENE_BODY_BREATH_BYTES = 6, /* of that displacement, per vertex */
+    CRN_SCENE_BODY_TRABECULAE = 4,   /* flag of a body: it has the texture of trabeculae in the picture */
+    CRN_SCENE_BODY_BREATH_BYTES = 6, /* of a displacement by a full breath, per vertex */
     CRN_SCENE_MOTION_HEADER_BYTES = 32,
     CRN_SCENE_MOTION_KEYFRAMES = 24,
     CRN_SCENE_MOTION_ROW = 26, /* numbers of one component of one node; 3 components */
@@ -207,6 +209,7 @@ typedef struct crn_scene_body_view {
     const char *material;
     int32_t parent; /* -1: in air */
     bool moves;     /* the body moves with the scene's motion */
+    bool is_trabecular;
     uint32_t vertex_count;
     uint32_t triangle_count;
     const uint8_t *vertices_um; /* 3 x i32 each: crn_scene_i32 */

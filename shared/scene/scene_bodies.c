@@ -9,6 +9,7 @@ crn_scene_body_view crn_scene_body(const crn_scene *scene, uint32_t index)
     body.material = body.name + CRN_SCENE_BODY_NAME_BYTES;
     body.parent = crn_scene_i32(section + 48);
     body.moves = (crn_scene_u32(section + 60) & CRN_SCENE_BODY_MOVES) != 0;
+    body.is_trabecular = (crn_scene_u32(section + 60) & CRN_SCENE_BODY_TRABECULAE) != 0;
     body.vertex_count = crn_scene_u32(section + 52);
     body.triangle_count = crn_scene_u32(section + 56);
     body.vertices_um = section + CRN_SCENE_BODY_HEADER_BYTES;
@@ -68,9 +69,9 @@ static crn_scene_status check_body(crn_scene_check *check, uint32_t index, uint3
     if (status != CRN_SCENE_OK) return status;
     int32_t parent = crn_scene_i32(header + 48);
     uint32_t vertices = crn_scene_u32(header + 52), triangles = crn_scene_u32(header + 56);
-    const uint32_t flags = crn_scene_u32(header + 60);
-    const bool breathes = flags == CRN_SCENE_BODY_BREATHES && check->minor >= 9;
-    if (flags > CRN_SCENE_BODY_MOVES && !breathes)
+    const uint32_t flags = crn_scene_u32(header + 60), motion = flags & ~(uint32_t)CRN_SCENE_BODY_TRABECULAE;
+    const bool breathes = motion == CRN_SCENE_BODY_BREATHES && check->minor >= 9;
+    if ((motion > CRN_SCENE_BODY_MOVES && !breathes) || (flags != motion && check->minor < 10))
         return crn_scene_fault_at(check, CRN_SCENE_RESERVED, span.offset + 60);
     if (parent < -1 || parent >= (int32_t)body_count)
         return crn_scene_fault_at(check, CRN_SCENE_BODY_PARENT, span.offset + 48);

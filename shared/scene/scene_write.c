@@ -54,6 +54,7 @@ static uint16_t minor_of_part(const crn_scene_part *part)
     if (part->type == CRN_SCENE_TREE) return 1;
     if (part->type != CRN_SCENE_BODY || part->size < CRN_SCENE_BODY_HEADER_BYTES) return 0;
     const uint32_t flags = crn_scene_u32(part->bytes + CRN_SCENE_BODY_HEADER_BYTES - 4);
+    if ((flags & CRN_SCENE_BODY_TRABECULAE) != 0) return 10;
     if (flags == CRN_SCENE_BODY_BREATHES) return 9;
     return flags != 0 ? 1 : 0;
 }

@@ -93,6 +93,7 @@ class Maker
             bodies_[i].name = body.name;
             bodies_[i].material = body.material;
             bodies_[i].moves = body.moves;
+            bodies_[i].is_trabecular = body.is_trabecular();
             bodies_[i].parent = index_of(text, body.inside);
         }
     }

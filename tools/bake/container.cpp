@@ -105,9 +105,10 @@ Bytes body_section(const BakedBody &body)
     put_u32(bytes, static_cast<std::uint32_t>(body.parent));
     put_u32(bytes, static_cast<std::uint32_t>(body.mesh.vertices_mm.size()));
     put_u32(bytes, static_cast<std::uint32_t>(body.mesh.triangles.size()));
-    put_u32(bytes, body.moves                 ? CRN_SCENE_BODY_MOVES
-                   : !body.inhaled_mm.empty() ? CRN_SCENE_BODY_BREATHES
-                                              : 0);
+    const std::uint32_t motion = body.moves                 ? CRN_SCENE_BODY_MOVES
+                                 : !body.inhaled_mm.empty() ? CRN_SCENE_BODY_BREATHES
+                                                            : 0;
+    put_u32(bytes, body.is_trabecular ? motion | CRN_SCENE_BODY_TRABECULAE : motion);
     for (const Eigen::Vector3d &v : body.mesh.vertices_mm)
         for (int k = 0; k < 3; ++k)
             put_u32(bytes, static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(v[k] * 1000))));

@@ -16,7 +16,8 @@ struct BakedBody {
     Mesh mesh;
     bool moves = false; // with the lumen
     std::vector<Eigen::Vector3d> inhaled_mm =
-        {}; // the vertices after a full breath; empty: breath does not move it
+        {};                     // the vertices after a full breath; empty: breath does not move it
+    bool is_trabecular = false; // has the texture of trabeculae in X-ray pictures
 };
 
 // The functions below check the bytes that they return with the scene reader of shared/scene, and throw Fault

@@ -283,7 +283,7 @@ BodyText body_of(const Table &t, bool scene_moves)
     t.check_keys({"name",     "mesh",     "parts",    "pieces_mm", "pieces_min_mm", "unit",
                   "material", "inside",   "axes",     "scale",     "rotate_deg",    "offset_mm",
                   "cap",      "solid_mm", "close_mm", "clip_mm",   "less",          "gap_mm",
-                  "error_mm", "shell_mm", "marrow",   "moves",     "inhaled"});
+                  "error_mm", "shell_mm", "marrow",   "moves",     "inhaled",       "trabeculae"});
     BodyText body;
     body.name = t.text("name", CRN_SCENE_BODY_NAME_BYTES - 1, "");
     body.material = t.text("material", CRN_SCENE_MATERIAL_BYTES - 1, "");
@@ -295,6 +295,7 @@ BodyText body_of(const Table &t, bool scene_moves)
     if (!body.is_lumen) body.mesh = mesh_of(t);
     body.form = form_of(t);
     if (t.has("moves")) body.moves = t["moves"].truth();
+    if (t.has("trabeculae")) body.trabeculae = t["trabeculae"].truth();
     if (body.moves && !scene_moves)
         t["moves"].fail("'" + body.name + "' moves, but the scene has no [motion]");
     if (!t.has("inhaled")) return body;
@@ -372,6 +373,7 @@ void add_marrows(SceneText &scene)
         marrow.inside = body.name;
         marrow.is_marrow = true;
         marrow.moves = body.moves;
+        marrow.trabeculae = body.trabeculae;
         marrow.form.solid_mm = body.form.solid_mm;
         marrow.form.error_mm = body.form.error_mm;
         marrow.form.shell_mm = body.form.shell_mm;
@@ -404,6 +406,13 @@ void check_bodies(const SceneText &scene)
 }
 
 } // namespace
+
+// The names of spongy bone are those of host/xray/paths/materials.cpp.
+bool BodyText::is_trabecular() const
+{
+    const std::set<std::string> spongy = {"bone_spongy", "trabecular_bone", "spongy", "marrow"};
+    return trabeculae && spongy.count(material) != 0;
+}
 
 SceneText read_scene_text(const std::filesystem::path &file, const Folders &folders)
 {

@@ -106,9 +106,12 @@ struct BodyText {
     bool is_lumen = false;
     bool moves = false;     // moves with the lumen
     bool is_marrow = false; // made from the body it lies inside, form.shell_mm deep
+    bool trabeculae = true; // whether its spongy bone shows its texture
     MeshText mesh;
     std::filesystem::path inhaled; // the same mesh after a full breath; empty: breath does not move it
     FormText form;
+
+    bool is_trabecular() const;
 };
 
 // Describes a stretch of a branch that is narrowed by plaque (lesion.hpp).

@@ -1,6 +1,7 @@
 #include "host/xray/gl/gl_device.hpp"
 #include "host/base/format.hpp"
 #include "host/xray/gl/gl_program.hpp"
+#include "host/xray/paths/trabeculae.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -15,21 +16,34 @@ namespace
 // are clipped.
 constexpr const char *vertex_text = R"(#version 330 core
 layout(location = 0) in vec3 vertex_um;
+layout(location = 1) in vec3 vertex_place;
+noperspective out vec3 place;
 uniform vec3 source_um, right, up, forward;
 void main() {
     vec3 ray_mm = (vertex_um - source_um) * 0.001;
     float depth_mm = dot(ray_mm, forward);
+    place = vertex_place;
     gl_Position = vec4(dot(ray_mm, right), -dot(ray_mm, up), depth_mm - 2.0, depth_mm);
 })";
 
 // 1 / gl_FragCoord.w is the depth, interpolated with correct perspective. The picture is drawn as seen from
 // the detector and mirrored. In the mirrored picture, a face that is turned towards the source has its
-// corners anticlockwise, as when the body is seen from outside.
+// corners anticlockwise, as when the body is seen from outside. A face with the texture of trabeculae
+// (host/xray/paths/trabeculae.hpp) shifts its depth like a face that the rasteriser draws.
 constexpr const char *fragment_text = R"(#version 330 core
-uniform float reference_mm;
+uniform float reference_mm, grain_mm, steep_per_mm2;
+uniform isampler3D block;
+noperspective in vec3 place;
 out float sum_mm;
 void main() {
-    float depth_mm = 1.0 / gl_FragCoord.w - reference_mm;
+    float depth_mm = 1.0 / gl_FragCoord.w;
+    if (grain_mm > 0.0) {
+        vec2 steps_mm = vec2(dFdx(gl_FragCoord.w), dFdy(gl_FragCoord.w)) * depth_mm * depth_mm;
+        float share = max(1.0 - steep_per_mm2 * dot(steps_mm, steps_mm), 0.0);
+        ivec3 cell = ivec3(floor(place)) & (textureSize(block, 0) - 1);
+        depth_mm += share * grain_mm * float(texelFetch(block, cell, 0).r);
+    }
+    depth_mm -= reference_mm;
     sum_mm = gl_FrontFacing ? -depth_mm : depth_mm;
 })";
 
@@ -82,17 +96,19 @@ struct DrawList {
 };
 
 struct Plan {
-    std::vector<DrawList> lists; // [channel]
-    bool is_source_near = false; // whether some chunk may reach behind the source
+    std::vector<DrawList> smooth, textured; // [channel]
+    bool is_source_near = false;            // whether some chunk may reach behind the source
 };
 
 Plan make_plan(const BodyMeshes &meshes, std::span<const std::uint8_t> is_drawn, const View &view)
 {
     const Pyramid pyramid(view);
-    Plan plan{std::vector<DrawList>(meshes.channels.size())};
+    const std::vector<DrawList> none(meshes.channels.size());
+    Plan plan{none, none};
     for (const MeshChunk &chunk : meshes.chunks) {
         if (!is_drawn[chunk.body] || pyramid.leaves_out(chunk)) continue;
-        plan.lists[chunk.channel].add(chunk.triangle_begin, chunk.triangle_count);
+        auto &lists = chunk.grain_begin ? plan.textured : plan.smooth;
+        lists[chunk.channel].add(chunk.triangle_begin, chunk.triangle_count);
         plan.is_source_near |= pyramid.depth_um(chunk) - chunk.radius_um < near_um;
     }
     return plan;
@@ -107,6 +123,17 @@ std::vector<std::uint32_t> all_indices(const BodyMeshes &meshes)
             for (std::uint16_t corner : meshes.triangles[chunk.triangle_begin + i])
                 indices.push_back(chunk.vertex_begin + corner);
     return indices;
+}
+
+// Returns the place in the texture of every vertex; of a smooth body it is not used.
+std::vector<Eigen::Vector3f> all_places(const BodyMeshes &meshes)
+{
+    std::vector<Eigen::Vector3f> places(meshes.vertices_um.size(), Eigen::Vector3f::Zero());
+    for (const MeshChunk &chunk : meshes.chunks)
+        if (chunk.grain_begin)
+            std::copy_n(meshes.grain_places.begin() + *chunk.grain_begin, chunk.vertex_count,
+                        places.begin() + chunk.vertex_begin);
+    return places;
 }
 
 template <class T> std::ptrdiff_t bytes_of(const std::vector<T> &values)
@@ -143,7 +170,41 @@ void GlDevice::build(const BodyMeshes &meshes)
     gl_.BufferData(gl::element_array_buffer, bytes_of(indices), indices.data(), gl::static_draw);
     gl_.EnableVertexAttribArray(0);
     gl_.VertexAttribPointer(0, 3, gl::type_float, 0, 0, nullptr);
+    if (!meshes.grain_places.empty()) build_texture(meshes);
     gl_.BindVertexArray(0);
+}
+
+void GlDevice::build_texture(const BodyMeshes &meshes)
+{
+    const std::vector<Eigen::Vector3f> places = all_places(meshes);
+    gl_.GenBuffers(1, &places_);
+    gl_.BindBuffer(gl::array_buffer, places_);
+    gl_.BufferData(gl::array_buffer, bytes_of(places), places.data(), gl::static_draw);
+    gl_.EnableVertexAttribArray(1);
+    gl_.VertexAttribPointer(1, 3, gl::type_float, 0, 0, nullptr);
+    gl_.BindBuffer(gl::array_buffer, 0);
+    gl_.GenTextures(1, &block_);
+    gl_.BindTexture(gl::texture_3d, block_);
+    gl_.TexParameteri(gl::texture_3d, gl::min_filter, gl::nearest);
+    gl_.TexParameteri(gl::texture_3d, gl::mag_filter, gl::nearest);
+    gl_.BindTexture(gl::texture_3d, 0);
+}
+
+// Sends the cells of the view's block, unless they are there.
+void GlDevice::set_texture(const View &view)
+{
+    const Grain grain = grain_in(view);
+    gl_.BindTexture(gl::texture_3d, block_);
+    if (grain.block != sent_block_) {
+        gl_.PixelStorei(gl::unpack_alignment, 1);
+        gl_.TexImage3D(gl::texture_3d, 0, gl::r8i, grain_cells, grain_cells, grain_cells, 0, gl::red_integer,
+                       gl::type_byte, grain.block);
+        gl_.PixelStorei(gl::unpack_alignment, 4);
+        sent_block_ = grain.block;
+    }
+    gl_.Uniform1i(gl_.GetUniformLocation(program_, "block"), 0);
+    gl_.Uniform1f(gl_.GetUniformLocation(program_, "steep_per_mm2"), grain.steep * 1e6f);
+    grain_mm_ = grain.unit_q10mm / 1024.0f;
 }
 
 GlDevice::~GlDevice()
@@ -151,6 +212,8 @@ GlDevice::~GlDevice()
     try {
         const GlEntered entered(*context_);
         delete_pictures();
+        gl_.DeleteTextures(1, &block_);
+        gl_.DeleteBuffers(1, &places_);
         gl_.DeleteFramebuffers(1, &framebuffer_);
         gl_.DeleteBuffers(1, &vertices_);
         gl_.DeleteBuffers(1, &indices_);
@@ -242,6 +305,7 @@ class GlDevice::StateGuard
         gl_.Disable(gl::blend);
         gl_.Disable(gl::scissor_test);
         gl_.BindVertexArray(0);
+        gl_.BindTexture(gl::texture_3d, 0);
         gl_.BindFramebuffer(gl::framebuffer, 0);
     }
     StateGuard(const StateGuard &) = delete;
@@ -292,12 +356,18 @@ void GlDevice::draw(const BodyMeshes &meshes, std::span<const std::uint8_t> is_s
     // the depths are therefore measured from the source itself.
     set_view(view, plan.is_source_near ? 0.0f : static_cast<float>(view.source_isocentre_m * 1e3));
     set_state(view, rect);
+    if (places_ != 0) set_texture(view);
+    const auto draw_list = [&](const DrawList &list, float grain_mm) {
+        if (list.counts.empty()) return;
+        gl_.Uniform1f(gl_.GetUniformLocation(program_, "grain_mm"), grain_mm);
+        gl_.MultiDrawElements(gl::triangles, list.counts.data(), gl::type_unsigned_int, list.offsets.data(),
+                              static_cast<int>(list.counts.size()));
+    };
     for (std::size_t channel = 0; channel < pictures_.size(); ++channel) {
         aim_at(channel);
         gl_.Clear(gl::colour_buffer_bit);
-        const DrawList &list = plan.lists[channel];
-        gl_.MultiDrawElements(gl::triangles, list.counts.data(), gl::type_unsigned_int, list.offsets.data(),
-                              static_cast<int>(list.counts.size()));
+        draw_list(plan.smooth[channel], 0.0f);
+        draw_list(plan.textured[channel], grain_mm_);
     }
     for (std::size_t channel = 0; channel < pictures_.size(); ++channel) {
         aim_at(channel);

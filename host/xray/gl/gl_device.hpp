@@ -29,6 +29,8 @@ class GlDevice
     class StateGuard;
 
     void build(const BodyMeshes &meshes);
+    void build_texture(const BodyMeshes &meshes);
+    void set_texture(const View &view);
     void send_vertices(const BodyMeshes &meshes, std::span<const std::uint8_t> is_stale) const;
     void resize(std::size_t channels, int size);
     void delete_pictures();
@@ -43,6 +45,10 @@ class GlDevice
     unsigned program_ = 0, array_ = 0, vertices_ = 0, indices_ = 0, framebuffer_ = 0;
     int size_max_ = 0, size_ = 0;
     std::vector<unsigned> pictures_; // one texture per channel
+    // The texture of trabeculae: the places of the vertices (0: no body has it), and its block of cells.
+    unsigned places_ = 0, block_ = 0;
+    const std::int8_t *sent_block_ = nullptr;
+    float grain_mm_ = 0.0f; // h of a cell that holds 1
 };
 
 } // namespace crn

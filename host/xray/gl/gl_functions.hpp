@@ -36,6 +36,9 @@ namespace crn
     X(void, TexImage2D,                                                                                      \
       (unsigned target, int level, int internal_format, int width, int height, int border, unsigned format,  \
        unsigned type, const void *pixels))                                                                   \
+    X(void, TexImage3D,                                                                                      \
+      (unsigned target, int level, int internal_format, int width, int height, int depth, int border,        \
+       unsigned format, unsigned type, const void *pixels))                                                  \
     X(void, TexSubImage2D,                                                                                   \
       (unsigned target, int level, int x, int y, int width, int height, unsigned format, unsigned type,      \
        const void *pixels))                                                                                  \
@@ -88,12 +91,14 @@ namespace gl
 constexpr unsigned colour_buffer_bit = 0x4000, triangles = 4, triangle_strip = 5;
 constexpr unsigned one = 1, func_add = 0x8006, blend = 0x0BE2, cull_face = 0x0B44, depth_test = 0x0B71,
                    scissor_test = 0x0C11, front_clockwise = 0x0900;
-constexpr unsigned texture_2d = 0x0DE1, min_filter = 0x2801, mag_filter = 0x2800, wrap_s = 0x2802,
-                   wrap_t = 0x2803, nearest = 0x2600, linear = 0x2601, clamp_to_edge = 0x812F;
+constexpr unsigned texture_2d = 0x0DE1, texture_3d = 0x806F, min_filter = 0x2801, mag_filter = 0x2800,
+                   wrap_s = 0x2802, wrap_t = 0x2803, nearest = 0x2600, linear = 0x2601,
+                   clamp_to_edge = 0x812F;
 constexpr unsigned red = 0x1903, rgb = 0x1907, rgba = 0x1908, rgb8 = 0x8051, r8 = 0x8229, r32f = 0x822E,
-                   rgba32f = 0x8814;
+                   r8i = 0x8231, red_integer = 0x8D94, rgba32f = 0x8814;
 constexpr unsigned swizzle_r = 0x8E42, swizzle_g = 0x8E43, swizzle_b = 0x8E44, swizzle_a = 0x8E45;
-constexpr unsigned type_unsigned_byte = 0x1401, type_unsigned_int = 0x1405, type_float = 0x1406;
+constexpr unsigned type_byte = 0x1400, type_unsigned_byte = 0x1401, type_unsigned_int = 0x1405,
+                   type_float = 0x1406;
 constexpr unsigned array_buffer = 0x8892, element_array_buffer = 0x8893, static_draw = 0x88E4,
                    stream_draw = 0x88E0;
 constexpr unsigned framebuffer = 0x8D40, colour_attachment0 = 0x8CE0, framebuffer_complete = 0x8CD5,

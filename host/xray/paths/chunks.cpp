@@ -1,6 +1,7 @@
 // Cuts the mesh of a body into chunks of neighbouring triangles, so that a chunk outside the picture can be
 // skipped as a whole.
 #include "host/xray/paths/meshes.hpp"
+#include "host/xray/paths/trabeculae.hpp"
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -89,6 +90,8 @@ void append_body(BodyMeshes &meshes, const Body &body, int own, int parent)
             static_cast<std::uint32_t>(std::min<std::size_t>(mesh_chunk_triangles, order.size() - begin));
         chunk.channel = channel;
         chunk.body = index;
+        const bool has_grain = body.is_trabecular && own != parent;
+        if (has_grain) chunk.grain_begin = static_cast<std::uint32_t>(meshes.grain_places.size());
         std::unordered_map<std::uint32_t, std::uint16_t> local;
         for (std::uint32_t i = 0; i < chunk.triangle_count; ++i) {
             std::array<std::uint16_t, 3> triangle;
@@ -98,6 +101,7 @@ void append_body(BodyMeshes &meshes, const Body &body, int own, int parent)
                 if (is_new) {
                     meshes.vertices_um.push_back(body.vertices_um[vertex].cast<float>());
                     meshes.body_vertex.push_back(vertex);
+                    if (has_grain) meshes.grain_places.push_back(grain_place(body.vertices_um[vertex]));
                 }
                 triangle[corner] = place->second;
             }

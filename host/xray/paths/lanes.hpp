@@ -10,8 +10,14 @@ namespace crn
 
 inline constexpr int lane_count = 8;
 typedef std::int32_t Lanes_i __attribute__((vector_size(32)));
+typedef std::uint32_t Lanes_u __attribute__((vector_size(32)));
 typedef float Lanes_f __attribute__((vector_size(32)));
 typedef std::int32_t Lanes_i_anywhere __attribute__((vector_size(32), aligned(4), may_alias));
+
+// Four numbers at a time, for the coordinates of a point.
+typedef std::int32_t Four_i __attribute__((vector_size(16)));
+typedef std::uint32_t Four_u __attribute__((vector_size(16)));
+typedef float Four_f __attribute__((vector_size(16)));
 
 inline constexpr Lanes_i lane_index = {0, 1, 2, 3, 4, 5, 6, 7};
 

@@ -5,6 +5,7 @@
 #include "host/model/bodies.hpp"
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct MeshChunk {
     std::uint32_t triangle_begin = 0, triangle_count = 0;
     int channel = 0;
     int body = 0; // index in Bodies
+    // Where its vertices begin in BodyMeshes::grain_places, if its faces have the texture of trabeculae.
+    std::optional<std::uint32_t> grain_begin = {};
     Eigen::Vector3f centre_um = Eigen::Vector3f::Zero();
     float radius_um = 0.0f;
 };
@@ -37,7 +40,8 @@ struct BodyMeshes {
     std::vector<Eigen::Vector3f> vertices_um; // whole micrometres: exact in float; chunk after chunk
     std::vector<std::uint32_t> body_vertex;   // of each: its index in its Body::vertices_um
     std::vector<std::array<std::uint16_t, 3>>
-        triangles; // into the chunk's vertices; anticlockwise from outside
+        triangles;                             // into the chunk's vertices; anticlockwise from outside
+    std::vector<Eigen::Vector3f> grain_places; // of the vertices of textured chunks (trabeculae.hpp)
 };
 
 inline constexpr int mesh_chunk_triangles = 128;
@@ -46,11 +50,12 @@ inline constexpr int mesh_chunk_triangles = 128;
 void set_sphere(MeshChunk &chunk, const Eigen::Vector3f &low_um, const Eigen::Vector3f &high_um);
 
 // Cuts one body into chunks of neighbouring triangles, and appends it to the meshes. `own` is the material of
-// the body, and `parent` is the material around it; a parent of -1 is air.
+// the body, and `parent` is the material around it; a parent of -1 is air. A body of its parent's material
+// gets no texture, because it does not show.
 void append_body(BodyMeshes &meshes, const Body &body, int own, int parent);
 
-// Replaces the vertices of a body by the same number of new vertices; the triangles keep their vertex
-// indices.
+// Replaces the vertices of a body, which keep their places in the texture, by the same number of new
+// vertices; the triangles keep their vertex indices.
 void move_body(BodyMeshes &meshes, int body, std::span<const Eigen::Vector3i> vertices_um);
 
 // Returns the present vertices of a body in the order of Body::vertices_um; a vertex that no triangle uses is

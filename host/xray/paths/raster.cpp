@@ -179,6 +179,13 @@ RasterVertices::RasterVertices(const BodyMeshes &meshes)
         }
         fill(chunk, begin[i]);
     }
+    for (const Eigen::Vector3f &place : meshes.grain_places) {
+        GrainPlace fixed = {};
+        for (int axis = 0; axis < 3; ++axis)
+            fixed.of[axis] = static_cast<std::uint32_t>(static_cast<std::int64_t>(
+                std::floor(double{place[axis]} * (1 << grain_fraction_bits) + 0.5)));
+        grain_places.push_back(fixed);
+    }
 }
 
 void RasterVertices::fill(const MeshChunk &chunk, std::uint32_t at)

@@ -7,7 +7,9 @@
 // middle of a pixel. In the second pass TileRaster draws all triangles that touch one tile of the picture;
 // their depths are added to sums that stay in the processor's cache.
 #pragma once
+#include "host/xray/paths/lanes.hpp"
 #include "host/xray/paths/paths.hpp"
+#include "host/xray/paths/trabeculae.hpp"
 
 namespace crn
 {
@@ -49,11 +51,19 @@ struct KeptTriangle {
     std::uint16_t is_large;  // more than 64 pixels wide or high: products of differences may pass 2^31
 };
 
+inline constexpr int grain_fraction_bits = 22; // edges of triangles may cross 512 cells
+
 // The coordinates of the corners are stored in separate arrays for x, y and z. The number of stored corners
 // of each chunk is a multiple of eight; the last corner of the chunk fills the unused entries.
 struct RasterVertices {
     std::vector<float> x_um, y_um, z_um;
     std::vector<std::uint32_t> begin; // of each chunk
+    // The places of BodyMeshes::grain_places, in 1/2^grain_fraction_bits of a cell. A place wraps around
+    // after 2^32, which is a whole number of periods of the texture.
+    struct GrainPlace {
+        Four_u of; // u, v, w, 0
+    };
+    std::vector<GrainPlace> grain_places;
 
     explicit RasterVertices(const BodyMeshes &meshes);
     // Moves the vertices of one chunk, and the sphere around it, to the new positions in the vertex list of
@@ -77,6 +87,7 @@ struct Projection {
     std::vector<std::uint32_t> seen; // the chunks that lie in the picture
     std::vector<Corner> corners;     // in the order of RasterVertices
     std::vector<KeptTriangle> kept;  // starting at the chunk's triangle_begin
+    Grain grain;                     // if the bodies have a texture
 };
 
 // Computes the projection of chunk `index`, and keeps only those of its triangles that can appear in `rect`.

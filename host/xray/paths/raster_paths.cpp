@@ -188,6 +188,7 @@ bool RasterPaths::draw(const View &view, std::span<const std::uint8_t> is_drawn,
 {
     if (rect.is_empty()) return true;
     const Camera camera = make_camera(view);
+    if (!vertices_.grain_places.empty()) projection_.grain = grain_in(view);
     project(camera, is_drawn, rect);
     const int across = (rect.x1 - rect.x0 + tile_columns - 1) / tile_columns;
     const int down = (rect.y1 - rect.y0 + tile_rows - 1) / tile_rows;

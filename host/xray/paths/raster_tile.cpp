@@ -3,6 +3,10 @@
 #include "host/xray/paths/raster_tile.hpp"
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#ifdef CRN_HAS_AVX2
+#include <immintrin.h>
+#endif
 
 namespace crn
 {
@@ -14,27 +18,78 @@ constexpr int strips_max = tile_columns / lane_count;
 
 namespace plain
 {
+
+inline void read_cells(const std::int8_t *block, const Lanes_u &index, Lanes_i &cells)
+{
+    for (int i = 0; i < lane_count; ++i) cells[i] = block[index[i]];
+}
+
 #include "host/xray/paths/raster_batch.inc"
+#include "host/xray/paths/raster_grain.inc"
 } // namespace plain
 
 #ifdef CRN_HAS_AVX2
 namespace avx2
 {
 CRN_AVX2_BEGIN
+
+// Reads four bytes that end with the cell, and keeps the last one.
+inline void read_cells(const std::int8_t *block, const Lanes_u &index, Lanes_i &cells)
+{
+    const auto *last = reinterpret_cast<const int *>(block - 3);
+    cells = (Lanes_i)_mm256_i32gather_epi32(last, (__m256i)index, 1) >> 24;
+}
+
 #include "host/xray/paths/raster_batch.inc"
+#include "host/xray/paths/raster_grain.inc"
 CRN_AVX2_END
 } // namespace avx2
 #endif
 
-using DrawBatch = void (*)(Batch &batch, const PixelRect &tile);
+// The inner loops for this processor.
+struct Loops {
+    void (*draw_batch)(Batch &batch, const PixelRect &tile);
+    void (*draw_grainy_batch)(Batch &batch, const Grain &grain, const PixelRect &tile);
+};
 
-DrawBatch choose_draw_batch()
+Loops choose_loops()
 {
 #ifdef CRN_HAS_AVX2
-    if (__builtin_cpu_supports("avx2")) return avx2::draw_batch;
+    if (__builtin_cpu_supports("avx2")) return {avx2::draw_batch, avx2::draw_grainy_batch};
 #endif
-    return plain::draw_batch;
+    return {plain::draw_batch, plain::draw_grainy_batch};
 }
+
+// Tests whether a triangle lies outside a tile, with one subtraction for all four sides: the pixels of a
+// triangle are four numbers of 15 bits, and a number that passes its limit takes the bit above its own.
+class TileBounds
+{
+  public:
+    explicit TileBounds(const PixelRect &tile)
+        : limits_(packed(tile.x1 - 1, tile.y1 - 1, most - tile.x0, most - tile.y0) | tops)
+    {
+    }
+    bool leave_out(const KeptTriangle &triangle) const
+    {
+        std::uint64_t pixels;
+        std::memcpy(&pixels, &triangle, sizeof pixels);
+        return (~(limits_ - (pixels ^ mirrored_)) & tops) != 0;
+    }
+
+  private:
+    static constexpr int most = 0x7fff;
+    static constexpr std::uint64_t tops = 0x8000800080008000u;
+    static std::uint64_t packed(int x0, int y0, int x1, int y1)
+    {
+        const std::int16_t four[4] = {static_cast<std::int16_t>(x0), static_cast<std::int16_t>(y0),
+                                      static_cast<std::int16_t>(x1), static_cast<std::int16_t>(y1)};
+        std::uint64_t bits;
+        std::memcpy(&bits, four, sizeof bits);
+        return bits;
+    }
+    std::uint64_t limits_,
+        mirrored_ = packed(0, 0, most, most); // the last pixels count from `most` downwards
+};
 
 // Copies the corners of one triangle, and the part of the tile that it can cover, to entry k of the group of
 // eight triangles.
@@ -56,31 +111,39 @@ void load(Batch &batch, int k, const Corner &a, const Corner &b, const Corner &c
 
 void TileRaster::finish()
 {
-    static const DrawBatch draw_batch = choose_draw_batch();
+    static const Loops loops = choose_loops();
     if (batch_.count == 0) return;
     // The unused entries of the group are set to 0, because old values of an earlier triangle could make
     // 32-bit numbers overflow.
     for (int k = batch_.count; k < lane_count; ++k)
         batch_.ax[k] = batch_.ay[k] = batch_.bx[k] = batch_.by[k] = batch_.cx[k] = batch_.cy[k] = 0;
-    draw_batch(batch_, tile_);
+    if (has_grain_)
+        loops.draw_grainy_batch(batch_, projection_.grain, tile_);
+    else
+        loops.draw_batch(batch_, tile_);
     batch_.count = 0;
     batch_.is_large = 0;
 }
 
+template <bool has_grain>
 void TileRaster::add_plain(const MeshChunk &chunk, const Projection::OfChunk &of_chunk, const Corner *corners,
                            std::int32_t *sums)
 {
     const KeptTriangle *kept = projection_.kept.data() + chunk.triangle_begin;
+    const RasterVertices::GrainPlace *places =
+        has_grain ? vertices_.grain_places.data() + *chunk.grain_begin : nullptr;
     const PixelRect tile = tile_;
-    const bool is_inside =
-        of_chunk.x0 >= tile.x0 && of_chunk.x1 < tile.x1 && of_chunk.y0 >= tile.y0 && of_chunk.y1 < tile.y1;
+    const TileBounds bounds(tile);
     for (std::uint32_t i = 0; i < of_chunk.kept_count; ++i) {
         const KeptTriangle &triangle = kept[i];
-        if (!is_inside && (triangle.x0 >= tile.x1 || triangle.x1 < tile.x0 || triangle.y0 >= tile.y1 ||
-                           triangle.y1 < tile.y0))
-            continue;
+        if (bounds.leave_out(triangle)) continue;
         const auto [a, b, c] = triangle.corner;
         batch_.sums[batch_.count] = sums;
+        if constexpr (has_grain) {
+            batch_.a_grain[batch_.count] = places + a;
+            batch_.b_grain[batch_.count] = places + b;
+            batch_.c_grain[batch_.count] = places + c;
+        }
         load(batch_, batch_.count++, corners[a], corners[b], corners[c], triangle, tile);
         if (batch_.count == lane_count) finish();
     }
@@ -92,7 +155,14 @@ void TileRaster::add(std::size_t index, std::int32_t *sums)
     const Projection::OfChunk &of_chunk = projection_.chunks[index];
     const std::uint32_t begin = vertices_.begin[index];
     if (of_chunk.kind == Projection::Kind::plain) {
-        add_plain(chunk, of_chunk, projection_.corners.data() + begin, sums);
+        const Corner *corners = projection_.corners.data() + begin;
+        const bool has_grain = chunk.grain_begin.has_value();
+        if (has_grain != has_grain_) finish();
+        has_grain_ = has_grain;
+        if (has_grain)
+            add_plain<true>(chunk, of_chunk, corners, sums);
+        else
+            add_plain<false>(chunk, of_chunk, corners, sums);
         return;
     }
     auto vertex = [&](std::uint16_t i) {

@@ -24,7 +24,10 @@ struct Batch {
     float area[lane_count], slope_x[lane_count], slope_y[lane_count], low[lane_count], high[lane_count];
     std::int32_t sign[lane_count];  // -1 for an entry, 0 for an exit
     std::int32_t *sums[lane_count]; // where each is drawn
-    std::int32_t is_large = 0;      // whether any is large: products need 64 bits
+    // The places of the corners in the texture of trabeculae; all triangles of a group have a texture, or
+    // none.
+    const RasterVertices::GrainPlace *a_grain[lane_count], *b_grain[lane_count], *c_grain[lane_count];
+    std::int32_t is_large = 0; // whether any is large: products need 64 bits
     int count = 0;
 };
 
@@ -44,6 +47,7 @@ class TileRaster
     void finish();
 
   private:
+    template <bool has_grain>
     void add_plain(const MeshChunk &chunk, const Projection::OfChunk &of_chunk, const Corner *corners,
                    std::int32_t *sums);
 
@@ -53,6 +57,7 @@ class TileRaster
     const Projection &projection_;
     PixelRect tile_;
     Batch batch_{};
+    bool has_grain_ = false; // of the triangles in the group
 };
 
 } // namespace crn

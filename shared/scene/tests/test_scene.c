@@ -1,6 +1,5 @@
-/* These tests check that every broken scene is refused with its own code and byte position, and that the
- * caller gets no part of it. The tests use small valid files. The tests cut each file at every length, flip
- * every bit, and break the rules of docs/scene.md one at a time. */
+/* Every broken scene is refused with its own code and byte position; the caller gets no part of it. The tests
+ * cut small valid files at every length, flip every bit, and break the rules of docs/scene.md singly. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -294,7 +293,7 @@ static void bodies_must_be_whole_and_lie_in_each_other_without_circle(void **sta
     refuses_word(SKIN_AT + 56, 4, 0, CRN_SCENE_BODY_SIZE, SKIN_AT + 56);
     refuses_word(SKIN_AT + 56, 4, 0xffffffffu, CRN_SCENE_BODY_SIZE, SKIN_AT + 56);
     refuses_word(SKIN_AT + 52, 4, 5, CRN_SCENE_SECTION_SIZE, SKIN_AT + 52);
-    refuses_word(SKIN_AT + 60, 4, 2, CRN_SCENE_RESERVED, SKIN_AT + 60);
+    refuses_word(SKIN_AT + 60, 4, 4, CRN_SCENE_RESERVED, SKIN_AT + 60);
     refuses_word(SKIN_AT + 64, 4, 2000001, CRN_SCENE_BODY_VERTEX, SKIN_AT + 64);
     refuses_word(SKIN_AT + 112, 4, 4, CRN_SCENE_BODY_TRIANGLE, SKIN_AT + 112);
     refuses_word(SKIN_AT + 116, 4, 0, CRN_SCENE_BODY_TRIANGLE, SKIN_AT + 112);
@@ -403,15 +402,16 @@ static void a_moving_scene_gives_back_its_lattice(void **state)
     assert_int_equal(crn_scene_u16(file + 10), 0);
 }
 
-static void a_body_may_move(void **state)
+static void a_body_may_move_and_have_trabeculae(void **state)
 {
     (void)state;
     crn_scene scene;
-    crn_scene_put_u32(file + SKIN_AT + 60, CRN_SCENE_BODY_MOVES);
+    crn_scene_put_u16(file + 10, 10); /* minor version */
+    crn_scene_put_u32(file + SKIN_AT + 60, CRN_SCENE_BODY_MOVES | CRN_SCENE_BODY_TRABECULAE);
     sample_seal(file, file_bytes);
     assert_int_equal(crn_scene_open(file, file_bytes, &scene, NULL), CRN_SCENE_OK);
-    assert_false(crn_scene_body(&scene, 0).moves);
-    assert_true(crn_scene_body(&scene, 1).moves);
+    assert_false(crn_scene_body(&scene, 0).moves || crn_scene_body(&scene, 0).is_trabecular);
+    assert_true(crn_scene_body(&scene, 1).moves && crn_scene_body(&scene, 1).is_trabecular);
 }
 
 /* The test breaks the rules of the MOTION and BREATH sections one at a time. The spacing is 4096 units, so
@@ -583,7 +583,7 @@ int main(void)
         cmocka_unit_test_setup(a_lesion_lies_where_there_is_vessel, make_bodies_with_lesions),
         cmocka_unit_test_setup(lesions_stand_behind_their_tree, make_bodies_with_lesions),
         cmocka_unit_test_setup(a_moving_scene_gives_back_its_lattice, make_moving_scene),
-        cmocka_unit_test_setup(a_body_may_move, make_bodies),
+        cmocka_unit_test_setup(a_body_may_move_and_have_trabeculae, make_bodies),
         cmocka_unit_test_setup(a_lattice_must_fit_the_cores_arithmetic_and_stand_still_at_its_boundary,
                                make_moving_scene),
         cmocka_unit_test_setup(a_motion_of_an_older_format_is_refused_by_name, make_moving_scene),

@@ -2,6 +2,7 @@
 // fewer triangles; each result must agree with a closed form within a stated distance. Bodies that overlap
 // are named. The keys of a scene's text for parts, pieces and transforms have the effects that docs/scene.md
 // describes.
+#include "tools/bake/container.hpp"
 #include "tools/bake/form.hpp"
 #include "tools/bake/solid.hpp"
 #include "tools/bake/tests/shapes.hpp"
@@ -303,6 +304,33 @@ void transforms_come_in_the_stated_order(void **)
             "the distance from the place by hand");
 }
 
+// The marrow of a bone shows trabeculae unless the text forbids it, as does spongy bone with a mesh of its
+// own. A body file with trabeculae has the minor version 10.
+void spongy_bone_has_trabeculae_unless_the_text_forbids_it(void **)
+{
+    const Folder folder;
+    folder.write("two.obj", two_boxes);
+    const auto read = [&](const std::string &keys) {
+        return read_scene_text(
+            folder.write("scene.toml", body_text("solid_mm = 0.5\nshell_mm = 1.5\n" + keys)),
+            {folder.path, {}});
+    };
+    const SceneText text = read("");
+    assert_false(text.bodies[0].is_trabecular());
+    assert_true(text.bodies[1].is_trabecular());
+    assert_false(read("trabeculae = false\n").bodies[1].is_trabecular());
+    assert_false(read("marrow = \"fat\"\n").bodies[1].is_trabecular());
+    std::vector<BakedBody> bodies(1);
+    bodies[0] = {
+        "a",
+        "marrow",
+        -1,
+        {"", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}, {}}};
+    assert_int_equal(bodies_bytes(text, bodies, {})[10], 0);
+    bodies[0].is_trabecular = true;
+    assert_int_equal(bodies_bytes(text, bodies, {})[10], 10);
+}
+
 void shell_adds_a_body_inside(void **)
 {
     const Folder folder;
@@ -369,6 +397,7 @@ int main()
         cmocka_unit_test(parts_and_pieces_are_chosen),
         cmocka_unit_test(transforms_come_in_the_stated_order),
         cmocka_unit_test(shell_adds_a_body_inside),
+        cmocka_unit_test(spongy_bone_has_trabeculae_unless_the_text_forbids_it),
         cmocka_unit_test(faults_of_the_form_are_named),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

@@ -47,10 +47,15 @@ Stack ascending_aorta(const Volume &scan, const Growth &growth, const std::vecto
                       const Stack &descending)
 {
     const double radius_mm = descending[descending.size() / 2].radius_mm;
+    std::vector<Stack> others;
+    for (const Stack &one : stacks)
+        if (&one != &stacks.front()) others.push_back(without_neck(one));
+    // The tallest first: a short one may be a second reading of the arch's end.
+    std::stable_sort(others.begin(), others.end(), [](const Stack &a, const Stack &b) {
+        return a.back().slice - a.front().slice > b.back().slice - b.front().slice;
+    });
     Stack found;
-    for (const Stack &one : stacks) {
-        if (&one == &stacks.front()) continue;
-        const Stack stack = without_neck(one);
+    for (const Stack &stack : others) {
         const Disc &top = stack.back(), &bottom = stack.front();
         if (top.slice > descending.back().slice + 3) continue;
         if (bottom.radius_mm < 0.9 * radius_mm || bottom.radius_mm > 2.5 * radius_mm) continue;

@@ -4,6 +4,7 @@
 // ends runs along a bone and touches it.
 #include "tools/centreline/tree.hpp"
 #include "tools/lab/ct/arteries/arteries.hpp"
+#include "tools/lab/ct/arteries/ascending.hpp"
 #include "tools/lab/ct/arteries/bright.hpp"
 #include "tools/lab/ct/arteries/tubes.hpp"
 #include "tools/lab/ct/patient/wall.hpp"
@@ -142,6 +143,48 @@ static void the_aorta_is_found_beside_a_spine_as_bright(void **)
     const Contrast contrast = contrast_of(of.descending);
     std::printf("# %.0f HU, noise %.0f HU\n", contrast.mean_HU, contrast.noise_HU);
     assert_true(std::fabs(contrast.mean_HU - blood_HU) < 10);
+}
+
+// An arch between an ascending and a descending aorta. The end of the arch is read a second time, as a short
+// stack beside the descending aorta, which comes first among the stacks.
+static void the_ascending_aorta_is_the_tallest_stack_behind_the_arch(void **)
+{
+    const Vector3d feet(24, -60, 0), arch(24, 40, 0), crown(0, 58, 0), down(-24, 40, 0), root(-24, -20, 0);
+    Volume scan;
+    scan.size = {60, 30, 90};
+    scan.spacing_mm = {1.5, 1.5, 1.5};
+    scan.origin_mm = {-44, -22, -62};
+    scan.hu.resize(scan.count());
+    Mask inside(scan.count());
+    for (std::size_t at = 0; at < scan.count(); ++at) {
+        const Vector3d p = place_at(scan, at);
+        inside[at] = std::min({tube(p, feet, arch, 10), tube(p, arch, crown, 11), tube(p, crown, down, 12),
+                               tube(p, down, root, 12)}) < 0;
+    }
+    const auto stack_of = [&](const Vector3d &low, const Vector3d &high, double radius_mm) {
+        Stack stack;
+        const int last = static_cast<int>(std::lround(scan.voxel(high).z()));
+        for (int k = static_cast<int>(std::lround(scan.voxel(low).z())); k <= last; ++k) {
+            Disc disc;
+            disc.slice = k;
+            disc.middle = scan.voxel(low).head<2>();
+            disc.radius_mm = radius_mm;
+            stack.push_back(disc);
+        }
+        return stack;
+    };
+    const std::vector<Stack> stacks = {stack_of(feet, arch, 10),
+                                       stack_of({22, 30, 0}, {22, 40, 0}, 11), // the same again
+                                       stack_of(root, down, 12)};
+    const Widths widths = widths_in(scan, inside);
+    const Disc &first = stacks[0].front();
+    const std::size_t source = scan.at(static_cast<int>(std::lround(first.middle.x())),
+                                       static_cast<int>(std::lround(first.middle.y())), first.slice);
+    const Growth growth =
+        grow_apart(scan, inside, widths, Mask(scan.count(), 0), {{source, widths[source]}}, {});
+    const Stack found_stack = ascending_aorta(scan, growth, stacks, stacks[0]);
+    assert_false(found_stack.empty());
+    assert_true((place_of(scan, found_stack.front()) - root).norm() < 2);
 }
 
 static void arteries_end_at_bone_kidney_and_gap(void **)
@@ -452,6 +495,7 @@ int main()
         cmocka_unit_test(a_click_adds_a_branch_to_a_label_map),
         cmocka_unit_test(a_kidney_keeps_its_medium_in_the_picture),
         cmocka_unit_test(the_blur_of_a_plaque_is_no_lumen),
+        cmocka_unit_test(the_ascending_aorta_is_the_tallest_stack_behind_the_arch),
         cmocka_unit_test(the_aorta_is_found_beside_a_spine_as_bright),
         cmocka_unit_test(arteries_end_at_bone_kidney_and_gap),
         cmocka_unit_test(a_bone_that_touches_an_artery_does_not_claim_it),
