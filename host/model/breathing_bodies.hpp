@@ -9,10 +9,11 @@
 namespace crn
 {
 
-// The depth of breath in pictures is rounded to 1/64. A body that moves by 13 mm thus moves in steps of 0.2
-// mm, below half a pixel, and a picture is redrawn only when a step is done. The rounded depth depends on the
-// phase alone, so the picture depends on the state and not on earlier pictures.
-inline constexpr int breath_steps = 64;
+// The depth of breath in pictures is rounded to 1/32. A body that moves by 13 mm thus moves in steps of 0.4
+// mm, half of what it moves between two pictures at 15 per second, and a picture is redrawn only when a step
+// is done. The rounded depth depends on the phase alone, so the picture depends on the state and not on
+// earlier pictures.
+inline constexpr int breath_steps = 32;
 
 // Returns the depth of breath in steps, 0 to breath_steps.
 int breath_step(std::uint32_t breath_phase32);

@@ -150,6 +150,7 @@ CASES = {  # session: tools
     "gallery/pelvis": AORTA,
     "gallery/chest": AORTA,
     "gallery/loin": AORTA,
+    "gallery/spine": AORTA,
 }
 
 

@@ -111,7 +111,7 @@ docs-pictures: packages-build+tools+pictures
 	$(again) $(SCENE) $(HEART)
 	@tools/docs/pictures.py --write $(NAMES)
 
-GALLERY       := pelvis arch chest loin
+GALLERY       := pelvis arch chest loin spine
 GALLERY_DOCS  := docs/images/gallery
 RENAL_TOOLS   := --tool shared/examples/instruments/bentson.toml --tool shared/examples/instruments/pigtail_5f.toml
 # Of the session: filling, both arteries filled, washing out, roadmap.

@@ -384,8 +384,8 @@ VesselTree wide_aorta(double rise)
     return tree;
 }
 
-// An aorta that begins behind the arch, as in a scan of the belly, has no valve however wide it is: blood enters
-// it in diastole, too.
+// An aorta that begins behind the arch, as in a scan of the belly, has no valve however wide it is: blood
+// enters it in diastole, too.
 void a_wide_descending_aorta_has_no_valve(void **)
 {
     ContrastFlow contrast(wide_aorta(-1.0));
@@ -400,8 +400,8 @@ void a_wide_descending_aorta_has_no_valve(void **)
 }
 
 // A tree whose root is as wide as an ascending aorta and rises like one has a valve and stores blood: nothing
-// enters it in diastole, nothing goes back through the valve although 20 ml/s are injected beside it, and flows
-// and iodine are kept over the beats.
+// enters it in diastole, nothing goes back through the valve although 20 ml/s are injected beside it, and
+// flows and iodine are kept over the beats.
 void an_aorta_at_the_heart_stores_blood_behind_a_valve(void **)
 {
     ContrastFlow contrast(wide_aorta(1.0));

@@ -176,12 +176,12 @@ static void a_body_breathes_in_steps_of_its_displacement(void **)
         assert_int_equal(moved[0].body, 1);
         // The depth is sin^4(pi phase), by docs/heart.md.
         const double sine = std::sin(3.14159265358979 * phase / 4294967296.0);
-        const long step = std::lround(64 * std::pow(sine, 4));
+        const long step = std::lround(32 * std::pow(sine, 4));
         assert_int_equal(breath_step(phase), step);
         for (std::size_t i = 0; i < rest.size(); ++i)
             for (int k = 0; k < 3; ++k)
                 assert_int_equal(moved[0].vertices_um[i][k],
-                                 rest[i][k] + std::lround(static_cast<double>(way[i][k] * step) / 64));
+                                 rest[i][k] + std::lround(static_cast<double>(way[i][k] * step) / 32));
     }
     assert_int_equal(breath_step(0), 0);
     assert_int_equal(breath_step(inhaled), breath_steps);
