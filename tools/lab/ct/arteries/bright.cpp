@@ -12,24 +12,15 @@ namespace
 {
 
 constexpr double small_share = 0.42; // of the way from tissue to arteries
-constexpr double piece_least_mm3 = 300;
 
 // Large pieces that are brighter than the arteries. Their paths are wider the thicker a piece is, so that a
 // streak of metal through the aorta claims nothing.
 std::vector<Source> pieces_of(const Volume &scan, const Mask &body, float high_HU)
 {
     constexpr double thickness = 2.0; // a compact shell of bone stands for the marrow behind it
-    enum : unsigned char { dark, bright, tried, large };
     Mask mask(scan.count());
-    for (std::size_t at = 0; at < mask.size(); ++at)
-        mask[at] = body[at] && scan.hu[at] > high_HU ? bright : dark;
-    for (std::size_t at = 0; at < mask.size(); ++at) {
-        if (mask[at] != bright) continue;
-        const std::size_t count = flood(scan, mask, {at}, bright, tried);
-        if (static_cast<double>(count) * scan.spacing_mm.prod() > piece_least_mm3)
-            flood(scan, mask, {at}, tried, large);
-    }
-    for (unsigned char &value : mask) value = value == large;
+    for (std::size_t at = 0; at < mask.size(); ++at) mask[at] = body[at] && scan.hu[at] > high_HU;
+    keep_pieces(scan, Pieces::large, piece_least_mm3, mask);
     const Widths widths = widths_in(scan, mask);
     std::vector<Source> found;
     for (std::size_t at = 0; at < mask.size(); ++at)

@@ -83,4 +83,17 @@ Mask grown(const Volume &grid, Mask wanted, int rounds)
     return wanted;
 }
 
+void keep_pieces(const Volume &grid, Pieces wanted, double limit_mm3, Mask &mask)
+{
+    enum : unsigned char { out, unknown, small, large };
+    for (std::size_t at = 0; at < mask.size(); ++at) {
+        if (mask[at] != unknown) continue;
+        const std::size_t count = flood(grid, mask, {at}, unknown, small);
+        if (static_cast<double>(count) * grid.spacing_mm.prod() > limit_mm3)
+            flood(grid, mask, {at}, small, large);
+    }
+    const unsigned char kept = wanted == Pieces::large ? large : small;
+    for (unsigned char &value : mask) value = value == kept;
+}
+
 } // namespace crn::ct

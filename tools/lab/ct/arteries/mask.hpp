@@ -75,4 +75,8 @@ void keep_largest(const Volume &grid, Mask &mask);
 // Marks each voxel of `wanted` and, `rounds` times, the neighbours of those marked.
 Mask grown(const Volume &grid, Mask wanted, int rounds);
 
+// Keeps only the connected pieces of a mask that are larger than a volume, or only the others.
+enum class Pieces { large, small };
+void keep_pieces(const Volume &grid, Pieces wanted, double limit_mm3, Mask &mask);
+
 } // namespace crn::ct

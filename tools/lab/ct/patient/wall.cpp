@@ -60,9 +60,19 @@ void sharpen(Volume &level, double cube_mm)
     }
 }
 
+// The voxels of plaques. Larger pieces are bone, which may lie beside the mouth of a thin branch of the
+// aorta.
+Mask plaques_of(const Volume &scan, float calcium_HU)
+{
+    Mask mask(scan.count());
+    for (std::size_t at = 0; at < mask.size(); ++at) mask[at] = scan.hu[at] > calcium_HU;
+    keep_pieces(scan, Pieces::small, piece_least_mm3, mask);
+    return mask;
+}
+
 // Whether there is calcium within reach, farther inside the artery than the voxel or beside it. Then the
 // voxel lies in the calcium's blur, which is as bright as blood, and not in the lumen.
-bool is_behind_calcium(const Cut &cut, const Volume &depth, float calcium_HU, int i, int j, int k)
+bool is_behind_calcium(const Mask &plaques, const Volume &depth, int i, int j, int k)
 {
     constexpr double reach_mm = 1.8, beside = -0.2; // the cosine against the way to the middle
     const int at[3] = {i, j, k};
@@ -81,7 +91,7 @@ bool is_behind_calcium(const Cut &cut, const Volume &depth, float calcium_HU, in
     for (int z = std::max(k - reach[2], 0); z <= std::min(k + reach[2], depth.size[2] - 1); ++z)
         for (int y = std::max(j - reach[1], 0); y <= std::min(j + reach[1], depth.size[1] - 1); ++y)
             for (int x = std::max(i - reach[0], 0); x <= std::min(i + reach[0], depth.size[0] - 1); ++x) {
-                if (cut.scan.hu[cut.scan.at(x, y, z)] <= calcium_HU) continue;
+                if (!plaques[depth.at(x, y, z)]) continue;
                 const Vector3d way = Vector3d(x - i, y - j, z - k).cwiseProduct(depth.spacing_mm);
                 if (way.norm() <= reach_mm && way.dot(inward) >= beside * way.norm()) return true;
             }
@@ -176,6 +186,7 @@ Volume wall_level(const Volume &scan, const LabelMap &labels, const Contrast &co
                cut.scan.hu[at] < range.low_HU;
     });
     const Volume wide = near_wide(depth);
+    const Mask plaques = plaques_of(cut.scan, range.high_HU);
     Volume level = depth;
     for (int k = 0; k < level.size[2]; ++k)
         for (int j = 0; j < level.size[1]; ++j)
@@ -194,9 +205,9 @@ Volume wall_level(const Volume &scan, const LabelMap &labels, const Contrast &co
                 const float deepest = cut.mask.hu[at] == in_thread ? thread_mm : inside_mm;
                 if (cut.mask.hu[at] != in_bridge)
                     value = std::clamp(edge, value - outside_mm, value + deepest);
-                // Only where the artery is wide: a bone beside a thin one is as near.
+                // Only where the artery is wide: in a thin one, a plaque reaches across.
                 if (value < half_mm && wide.hu[at] > 0.5f && cut.mask.hu[at] <= in_artery &&
-                    is_behind_calcium(cut, depth, range.high_HU, i, j, k))
+                    is_behind_calcium(plaques, depth, i, j, k))
                     value = half_mm;
                 value = std::clamp(value, -half_mm, half_mm); // alike on both sides, for the smoothing
             }

@@ -454,6 +454,23 @@ static void the_blur_of_a_plaque_is_no_lumen(void **)
     assert_true(farthest_mm < 0.4);
 }
 
+// A vertebra lies beside the mouth of a branch of 2.4 mm, as beside a lumbar artery. It is no plaque, and
+// does not close the branch.
+static void a_bone_beside_the_mouth_of_a_branch_does_not_close_it(void **)
+{
+    Volume scan = trunk().scan;
+    for (std::size_t at = 0; at < scan.count(); ++at) {
+        double value = static_cast<double>(scan.hu[at]);
+        fill(value, tube(place_at(scan, at), {-11.5, 45, -14.2}, {-11.5, 25, -14.2}, 2.9), 1200);
+        scan.hu[at] = static_cast<float>(value);
+    }
+    Findings findings;
+    const FoundArteries of = find_arteries(scan, trunk().body, {}, findings, silent);
+    const Volume level = wall_level(scan, of.labels, contrast_of(of.descending), silent);
+    for (double x = -8; x >= -20; x -= 0.5)
+        if (level.value(level.voxel({x, 45, -10})) >= 0) fail_msg("closed at x = %.1f", x);
+}
+
 // The kidney behind its artery is bright, but neither an artery nor a chamber of the heart.
 static void a_kidney_keeps_its_medium_in_the_picture(void **)
 {
@@ -495,6 +512,7 @@ int main()
         cmocka_unit_test(a_click_adds_a_branch_to_a_label_map),
         cmocka_unit_test(a_kidney_keeps_its_medium_in_the_picture),
         cmocka_unit_test(the_blur_of_a_plaque_is_no_lumen),
+        cmocka_unit_test(a_bone_beside_the_mouth_of_a_branch_does_not_close_it),
         cmocka_unit_test(the_ascending_aorta_is_the_tallest_stack_behind_the_arch),
         cmocka_unit_test(the_aorta_is_found_beside_a_spine_as_bright),
         cmocka_unit_test(arteries_end_at_bone_kidney_and_gap),
