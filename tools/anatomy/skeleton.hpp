@@ -28,7 +28,7 @@ Vec3 spine_shift_mm(const SpineBend &bend, double y_mm);
  * near the midplane. */
 Vec3 moved_with_spine(const SpineBend &bend, const Vec3 &p);
 
-/* Returns where a point of the trunk lay before it moved, to a tenth of a millimetre. */
+/* Returns where a point of the trunk lay before it moved, within 0.3 mm. */
 Vec3 before_bend(const SpineBend &bend, const Vec3 &p);
 
 /* States what distinguishes the bones of one person from those of another. Without changes, it states the

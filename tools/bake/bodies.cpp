@@ -157,9 +157,12 @@ class Maker
         const BodyText &body = text_.bodies[i];
         Mesh &mesh = bodies_[i].mesh;
         mesh = body.is_lumen ? lumen_ : form_body(body, std::move(bases_[i]), bodies_, reports_[i]);
+        std::vector<bool> narrowed;
         if (!body.is_lumen && body.material == "blood" && !tree_.lesions.empty())
-            narrow(mesh, lesions_within(tree_, TriangleTree(mesh)));
-        if (!body.inhaled.empty() && bodies_[i].inhaled_mm.size() != mesh.vertices_mm.size())
+            narrowed = narrow(mesh, lesions_within(tree_, TriangleTree(mesh)));
+        const bool is_changed = bodies_[i].inhaled_mm.size() != mesh.vertices_mm.size() ||
+                                std::find(narrowed.begin(), narrowed.end(), true) != narrowed.end();
+        if (!body.inhaled.empty() && is_changed)
             throw Fault(body.mesh.file.string() + ": a lesion changes body '" + body.name +
                         "', so its `inhaled` does not fit: leave `inhaled` out");
     }

@@ -8,10 +8,10 @@ namespace crn::ct
 
 constexpr double surroundings_HU = 55;
 
-// What is brighter than `high_HU` is no blood with medium; what is darker than `low_HU`, no vessel.
 // A piece of what is brighter than blood is bone if it is larger, and a plaque if not.
 constexpr double piece_least_mm3 = 300;
 
+// What is brighter than `high_HU` is no blood with medium; what is darker than `low_HU`, no vessel.
 struct BrightRange {
     float low_HU, high_HU;
 };

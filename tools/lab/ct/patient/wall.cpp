@@ -60,13 +60,13 @@ void sharpen(Volume &level, double cube_mm)
     }
 }
 
-// The voxels of plaques. Larger pieces are bone, which may lie beside the mouth of a thin branch of the
-// aorta.
-Mask plaques_of(const Volume &scan, float calcium_HU)
+// The voxels that are brighter than blood, but for single ones, which are noise.
+Mask calcium_of(const Volume &scan, float calcium_HU)
 {
+    constexpr double noise_most_mm3 = 3;
     Mask mask(scan.count());
     for (std::size_t at = 0; at < mask.size(); ++at) mask[at] = scan.hu[at] > calcium_HU;
-    keep_pieces(scan, Pieces::small, piece_least_mm3, mask);
+    keep_pieces(scan, Pieces::large, noise_most_mm3, mask);
     return mask;
 }
 
@@ -186,7 +186,10 @@ Volume wall_level(const Volume &scan, const LabelMap &labels, const Contrast &co
                cut.scan.hu[at] < range.low_HU;
     });
     const Volume wide = near_wide(depth);
-    const Mask plaques = plaques_of(cut.scan, range.high_HU);
+    const Mask calcium = calcium_of(cut.scan, range.high_HU);
+    // Larger pieces are bone, which may lie beside the mouth of a thin branch of the aorta.
+    Mask plaques = calcium;
+    keep_pieces(cut.scan, Pieces::small, piece_least_mm3, plaques);
     Volume level = depth;
     for (int k = 0; k < level.size[2]; ++k)
         for (int j = 0; j < level.size[1]; ++j)
@@ -200,7 +203,8 @@ Volume wall_level(const Volume &scan, const LabelMap &labels, const Contrast &co
                 }
                 const float blood = blood_near(cut, contrast, i, j, k), other = beside.at(i, j, k);
                 // Calcium is no lumen: above the blood's range, brighter is farther outside.
-                const float hu = std::min(cut.scan.hu[at], 2 * range.high_HU - cut.scan.hu[at]);
+                const float hu = std::min(cut.scan.hu[at],
+                                          calcium[at] ? 2 * range.high_HU - cut.scan.hu[at] : range.high_HU);
                 const float edge = edge_mm * (0.5f * (blood + other) - hu) / (blood - other);
                 const float deepest = cut.mask.hu[at] == in_thread ? thread_mm : inside_mm;
                 if (cut.mask.hu[at] != in_bridge)

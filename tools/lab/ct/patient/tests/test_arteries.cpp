@@ -454,6 +454,29 @@ static void the_blur_of_a_plaque_is_no_lumen(void **)
     assert_true(farthest_mm < 0.4);
 }
 
+// Single voxels of noise near the wall that are as bright as calcium do not dent the lumen.
+static void bright_noise_near_the_wall_is_no_plaque(void **)
+{
+    Volume scan = trunk().scan;
+    std::vector<Vector3d> spikes;
+    for (double y = -50; y <= 55; y += 15) spikes.emplace_back(0.0, y, -10 + trunk_mm - 1.0);
+    for (const Vector3d &spike : spikes) {
+        const Vector3d voxel = scan.voxel(spike);
+        scan.hu[scan.at(static_cast<int>(std::lround(voxel.x())), static_cast<int>(std::lround(voxel.y())),
+                        static_cast<int>(std::lround(voxel.z())))] = 700;
+    }
+    Findings findings;
+    const FoundArteries of = find_arteries(scan, trunk().body, {}, findings, silent);
+    const Volume level = wall_level(scan, of.labels, contrast_of(of.descending), silent);
+    double deepest_mm = 0;
+    for (const Vector3d &vertex : surface_of(level, "wall").vertices_mm)
+        for (const Vector3d &spike : spikes)
+            if ((vertex - spike).norm() < 3)
+                deepest_mm = std::max(deepest_mm, trunk_mm - std::hypot(vertex.x(), vertex.z() + 10));
+    std::printf("# the lumen is dented by %.2f mm at a bright voxel\n", deepest_mm);
+    assert_true(deepest_mm < 0.5);
+}
+
 // A vertebra lies beside the mouth of a branch of 2.4 mm, as beside a lumbar artery. It is no plaque, and
 // does not close the branch.
 static void a_bone_beside_the_mouth_of_a_branch_does_not_close_it(void **)
@@ -513,6 +536,7 @@ int main()
         cmocka_unit_test(a_kidney_keeps_its_medium_in_the_picture),
         cmocka_unit_test(the_blur_of_a_plaque_is_no_lumen),
         cmocka_unit_test(a_bone_beside_the_mouth_of_a_branch_does_not_close_it),
+        cmocka_unit_test(bright_noise_near_the_wall_is_no_plaque),
         cmocka_unit_test(the_ascending_aorta_is_the_tallest_stack_behind_the_arch),
         cmocka_unit_test(the_aorta_is_found_beside_a_spine_as_bright),
         cmocka_unit_test(arteries_end_at_bone_kidney_and_gap),
