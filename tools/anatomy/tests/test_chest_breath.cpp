@@ -66,13 +66,18 @@ void arteries_and_kidneys_stay(void **)
 {
     is_moved("left kidney", {77, -38, -52}, {0, 0, 0}, 0.05);
     is_moved("right kidney", {-77, -52, -52}, {0, 0, 0}, 0.05);
-    double longest = 0.0;
+    constexpr double FRONT_MM = -20.0; // the ascending aorta lies before it, and moves with the heart
+    double longest = 0.0, of_aorta = 0.0;
     for (const Vessel &vessel : arteries().vessels)
-        for (const CurvePoint &point : vessel_curve(vessel, 3.0))
-            if (&vessel != &arteries().vessels.front())
-                longest = std::max(longest, way_mm(point.position_mm).norm());
-    std::printf("# branches of the aorta move by at most %.2f mm\n", longest);
+        for (const CurvePoint &point : vessel_curve(vessel, 3.0)) {
+            const bool is_aorta = &vessel == &arteries().vessels.front();
+            if (is_aorta && point.position_mm.y() > 60.0 && point.position_mm.z() > FRONT_MM) continue;
+            double &most = is_aorta ? of_aorta : longest;
+            most = std::max(most, way_mm(point.position_mm).norm());
+        }
+    std::printf("# branches of the aorta move by at most %.2f mm, it itself by %.2f mm\n", longest, of_aorta);
     assert_true(longest < 0.64);
+    assert_true(of_aorta < 0.9);
 }
 
 // Measured: 0.62. Random errors in distances to bones made it negative before the field was smoothed.
