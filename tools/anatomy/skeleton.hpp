@@ -23,6 +23,9 @@ struct SpineBend {
 /* Returns how far the middle of the spine lies from the shipped man's at a height. */
 Vec3 spine_shift_mm(const SpineBend &bend, double y_mm);
 
+/* Returns how far it lies behind his where the kyphosis adds most; 0 if it lies in front. */
+double deepest_shift_mm(const SpineBend &bend);
+
 /* Moves a point of the trunk with the spine: what lies at the spine or behind it moves as the spine does,
  * what lies farther in front moves less, and the front of the chest stays. A scoliosis moves only what lies
  * near the midplane. */

@@ -12,19 +12,6 @@ namespace crn
 namespace
 {
 
-// Computes for each pixel the length along its ray divided by the length along the central axis.
-CRN_WIDE void oblique_row(const View &view, int row, int begin, int end, float *oblique)
-{
-    const float half = 0.5f * static_cast<float>(view.size);
-    const float focal = static_cast<float>(view.source_detector_m / view.pixel_m);
-    const float y = static_cast<float>(row) + 0.5f - half;
-    const float scale = 1.0f / focal, square = y * y + focal * focal;
-    for (int x = begin; x < end; ++x) {
-        const float dx = static_cast<float>(x) + 0.5f - half;
-        oblique[x - begin] = std::sqrt(dx * dx + square) * scale;
-    }
-}
-
 // Holds one row of a channel's depth sums, and the sign with which the row is added to a material's path
 // lengths.
 struct SignedRow {
@@ -50,28 +37,36 @@ CRN_WIDE void clear_row(int count, std::int32_t *to)
     if (any != 0) std::fill_n(to, count, 0);
 }
 
+// Converts a sum of depths along the central axis to a length along the ray, which is not negative.
+inline std::int32_t lengthened(std::int32_t sum, float oblique)
+{
+    const float length = static_cast<float>(sum) * oblique + 0.5f;
+    return static_cast<std::int32_t>(length > 0.0f ? length : 0.0f);
+}
+
 CRN_WIDE void lengthen_row(const std::int32_t *from, const float *oblique, int count, std::int32_t *to)
 {
-    for (int x = 0; x < count; ++x) {
-        const float length = static_cast<float>(from[x]) * oblique[x] + 0.5f;
-        to[x] = static_cast<std::int32_t>(length > 0.0f ? length : 0.0f);
-    }
+    for (int x = 0; x < count; ++x) to[x] = lengthened(from[x], oblique[x]);
 }
 
 } // namespace
 
-void oblique_of_row(const View &view, int row, int begin, int end, float *oblique)
+CRN_WIDE void oblique_of_row(const View &view, int row, int begin, int end, float *oblique)
 {
-    oblique_row(view, row, begin, end, oblique);
+    const float half = 0.5f * static_cast<float>(view.size);
+    const float focal = static_cast<float>(view.source_detector_m / view.pixel_m);
+    const float y = static_cast<float>(row) + 0.5f - half;
+    const float scale = 1.0f / focal, square = y * y + focal * focal;
+    for (int x = begin; x < end; ++x) {
+        const float dx = static_cast<float>(x) + 0.5f - half;
+        oblique[x - begin] = std::sqrt(dx * dx + square) * scale;
+    }
 }
 
 CRN_WIDE void finish_sum(const std::int32_t *one, const std::int32_t *other, const float *oblique, int count,
                          std::int32_t *to)
 {
-    for (int x = 0; x < count; ++x) {
-        const float length = static_cast<float>(one[x] + other[x]) * oblique[x] + 0.5f;
-        to[x] = static_cast<std::int32_t>(length > 0.0f ? length : 0.0f);
-    }
+    for (int x = 0; x < count; ++x) to[x] = lengthened(one[x] + other[x], oblique[x]);
 }
 
 void finish_row(const View &view, int row, int begin, int end, std::int32_t *line)
@@ -79,7 +74,7 @@ void finish_row(const View &view, int row, int begin, int end, std::int32_t *lin
     float oblique[tile_columns];
     for (int x = begin; x < end; x += tile_columns) {
         const int count = std::min(tile_columns, end - x);
-        oblique_row(view, row, x, x + count, oblique);
+        oblique_of_row(view, row, x, x + count, oblique);
         lengthen_row(line + x, oblique, count, line + x);
     }
 }
@@ -179,7 +174,7 @@ void RasterPaths::resolve_tile(const View &view, const PixelRect &rect, Tile &ti
     tile.oblique.resize(tile_rows * tile_columns);
     if (form == PathForm::ray_lengths)
         for (int row = rect.y0; row < rect.y1; ++row)
-            oblique_row(view, row, rect.x0, rect.x1, tile.oblique.data() + (row - rect.y0) * tile_columns);
+            oblique_of_row(view, row, rect.x0, rect.x1, tile.oblique.data() + (row - rect.y0) * tile_columns);
     for (int material : materials_) resolve_material(view, rect, tile, material, form, pictures);
 }
 

@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "shared/scene/tests/scene_sample.h"
+#include "shared/scene/tests/scene_refusal.h"
 
 enum {
     MINOR_AT = 10,
@@ -22,15 +22,6 @@ static _Alignas(16) uint8_t file[SAMPLE_BYTES_MAX];
 static size_t breathing(void)
 {
     return sample_breathing_body(file, sizeof file);
-}
-
-static void refuses(size_t bytes, crn_scene_status wanted, uint32_t wanted_where)
-{
-    crn_scene scene;
-    uint32_t where = 0;
-    sample_seal(file, bytes);
-    assert_int_equal(crn_scene_open(file, bytes, &scene, &where), wanted);
-    assert_int_equal(where, wanted_where);
 }
 
 static void a_body_may_breathe(void **state)
@@ -52,7 +43,7 @@ static void an_older_file_has_no_body_that_breathes(void **state)
     (void)state;
     const size_t bytes = breathing();
     crn_scene_put_u16(file + MINOR_AT, 8);
-    refuses(bytes, CRN_SCENE_RESERVED, FLAGS_AT);
+    refuses_sealed(file, bytes, CRN_SCENE_RESERVED, FLAGS_AT);
 }
 
 static void a_body_moves_with_the_lattice_or_breathes_but_not_both(void **state)
@@ -60,9 +51,9 @@ static void a_body_moves_with_the_lattice_or_breathes_but_not_both(void **state)
     (void)state;
     const size_t bytes = breathing();
     crn_scene_put_u32(file + FLAGS_AT, CRN_SCENE_BODY_MOVES | CRN_SCENE_BODY_BREATHES);
-    refuses(bytes, CRN_SCENE_RESERVED, FLAGS_AT);
+    refuses_sealed(file, bytes, CRN_SCENE_RESERVED, FLAGS_AT);
     crn_scene_put_u32(file + FLAGS_AT, 0);
-    refuses(bytes, CRN_SCENE_SECTION_SIZE, BODY_AT + 52);
+    refuses_sealed(file, bytes, CRN_SCENE_SECTION_SIZE, BODY_AT + 52);
 }
 
 static void a_breath_stays_within_the_reach_of_bodies(void **state)
@@ -75,7 +66,7 @@ static void a_breath_stays_within_the_reach_of_bodies(void **state)
     crn_scene scene;
     assert_int_equal(crn_scene_open(file, bytes, &scene, NULL), CRN_SCENE_OK);
     crn_scene_put_u16(file + BREATH_AT + CRN_SCENE_BODY_BREATH_BYTES, 5001);
-    refuses(bytes, CRN_SCENE_BODY_VERTEX, BREATH_AT + CRN_SCENE_BODY_BREATH_BYTES);
+    refuses_sealed(file, bytes, CRN_SCENE_BODY_VERTEX, BREATH_AT + CRN_SCENE_BODY_BREATH_BYTES);
 }
 
 int main(void)

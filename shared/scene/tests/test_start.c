@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "shared/scene/tests/scene_sample.h"
+#include "shared/scene/tests/scene_refusal.h"
 
 enum { ENTRY_AT = 336, START_AT = ENTRY_AT + CRN_SCENE_ENTRY_BYTES, MINOR_AT = 10 };
 
@@ -19,15 +19,6 @@ static uint32_t opened_start_um(size_t bytes)
     uint32_t where = 0;
     assert_int_equal(crn_scene_open(file, bytes, &scene, &where), CRN_SCENE_OK);
     return scene.entry_start_um;
-}
-
-static void refuses(size_t bytes, crn_scene_status wanted, uint32_t wanted_where)
-{
-    crn_scene scene;
-    uint32_t where = 0;
-    sample_seal(file, bytes);
-    assert_int_equal(crn_scene_open(file, bytes, &scene, &where), wanted);
-    assert_int_equal(where, wanted_where);
 }
 
 static void a_scene_without_a_start_length_stays_as_it_was(void **state)
@@ -45,7 +36,7 @@ static void a_start_length_raises_the_version_that_readers_need(void **state)
     assert_int_equal(crn_scene_u16(file + MINOR_AT), 6);
     assert_int_equal(opened_start_um(bytes), 15000);
     crn_scene_put_u16(file + MINOR_AT, 5);
-    refuses(bytes, CRN_SCENE_SECTION_SIZE, ENTRY_AT);
+    refuses_sealed(file, bytes, CRN_SCENE_SECTION_SIZE, ENTRY_AT);
 }
 
 static void a_start_length_must_be_possible(void **state)
@@ -56,7 +47,7 @@ static void a_start_length_must_be_possible(void **state)
     for (int wrong = 0; wrong < 3; wrong++) {
         static const uint32_t lengths_um[3] = {0, CRN_SCENE_ENTRY_START_MAX_um + 1, 0xffffffffu};
         crn_scene_put_u32(file + START_AT, lengths_um[wrong]);
-        refuses(bytes, CRN_SCENE_ENTRY_START, START_AT);
+        refuses_sealed(file, bytes, CRN_SCENE_ENTRY_START, START_AT);
     }
 }
 

@@ -59,6 +59,11 @@ Vec3 spine_shift_mm(const SpineBend &bend, double y_mm)
     return {-right_mm, 0.0, -BACK.height_mm(bend.kyphosis_deg / ENDS) * BACK.at(y_mm)};
 }
 
+double deepest_shift_mm(const SpineBend &bend)
+{
+    return std::max(0.0, -spine_shift_mm(bend, 0.5 * (BACK.low_mm + BACK.high_mm)).z());
+}
+
 Vec3 moved_with_spine(const SpineBend &bend, const Vec3 &p)
 {
     if (bend == SpineBend{}) return p;

@@ -49,7 +49,7 @@ double dome_mm(double sign, double x, double z)
 
 Box lung_bounds(double sign, const SpineBend &bend)
 {
-    const double deeper_mm = std::max(0.0, -spine_shift_mm(bend, 115.0).z()); // where it is largest
+    const double deeper_mm = deepest_shift_mm(bend);
     Box box;
     box.include(side(sign, 2, -75, -110 - deeper_mm), 0.0);
     box.include(side(sign, 134, APEX_MM, 72), 0.0);

@@ -166,7 +166,7 @@ Solid skin(const SoftShape &shape)
     const Part limbs = is_raised ? raised_arms() : lowered_arms(), upper = upper_parts(),
                breast = breasts(shape.breast_mm);
     const double more_mm = std::max(0.0, 22.0 * (shape.fat - 1.0)) + std::max(0.0, shape.belly_mm) +
-                           std::max(0.0, -spine_shift_mm(shape.bend, 115.0).z());
+                           deepest_shift_mm(shape.bend);
     Box where;
     where.include(Vec3(-345 - more_mm, BOTTOM_MM, -160 - more_mm), 0.0);
     where.include(Vec3(345 + more_mm, is_raised ? 845 : 610, 150 + more_mm), 0.0);

@@ -113,12 +113,24 @@ FoundArteries found_with(const std::vector<Click> &clicks)
     return find_arteries(trunk().scan, trunk().body, clicks, findings, silent);
 }
 
+std::size_t voxel_at(const Volume &volume, const Vector3d &p)
+{
+    const Vector3d voxel = volume.voxel(p);
+    return volume.at(static_cast<int>(std::lround(voxel.x())), static_cast<int>(std::lround(voxel.y())),
+                     static_cast<int>(std::lround(voxel.z())));
+}
+
+// The level of the wall that is found in a scan without a click.
+Volume wall_in(const Volume &scan)
+{
+    Findings findings;
+    const FoundArteries of = find_arteries(scan, trunk().body, {}, findings, silent);
+    return wall_level(scan, of.labels, contrast_of(of.descending), silent);
+}
+
 void assert_artery(const LabelMap &labels, const Vector3d &p, bool is_expected)
 {
-    const Vector3d voxel = labels.volume.voxel(p);
-    const int label = labels.label(labels.volume.at(static_cast<int>(std::lround(voxel.x())),
-                                                    static_cast<int>(std::lround(voxel.y())),
-                                                    static_cast<int>(std::lround(voxel.z()))));
+    const int label = labels.label(voxel_at(labels.volume, p));
     const bool is_found = label != 0 && is_artery(labels.names.at(label));
     if (is_found != is_expected)
         fail_msg("(%.0f, %.0f, %.0f) is %s artery", p.x(), p.y(), p.z(), is_found ? "an" : "no");
@@ -177,9 +189,7 @@ static void the_ascending_aorta_is_the_tallest_stack_behind_the_arch(void **)
                                        stack_of({22, 30, 0}, {22, 40, 0}, 11), // the same again
                                        stack_of(root, down, 12)};
     const Widths widths = widths_in(scan, inside);
-    const Disc &first = stacks[0].front();
-    const std::size_t source = scan.at(static_cast<int>(std::lround(first.middle.x())),
-                                       static_cast<int>(std::lround(first.middle.y())), first.slice);
+    const std::size_t source = voxel_at(scan, feet);
     const Growth growth =
         grow_apart(scan, inside, widths, Mask(scan.count(), 0), {{source, widths[source]}}, {});
     const Stack found_stack = ascending_aorta(scan, growth, stacks, stacks[0]);
@@ -443,9 +453,7 @@ static void the_blur_of_a_plaque_is_no_lumen(void **)
         if (is_calcium) scan.hu[at] = 1200;
     }
     scan = smoothed(scan, 0.6);
-    Findings findings;
-    const FoundArteries of = find_arteries(scan, trunk().body, {}, findings, silent);
-    const Volume level = wall_level(scan, of.labels, contrast_of(of.descending), silent);
+    const Volume level = wall_in(scan);
     double farthest_mm = 0;
     for (const Vector3d &vertex : surface_of(level, "wall").vertices_mm)
         if (std::hypot(vertex.y() - 5, vertex.z() + 10) < 7 && vertex.x() < 0)
@@ -460,14 +468,8 @@ static void bright_noise_near_the_wall_is_no_plaque(void **)
     Volume scan = trunk().scan;
     std::vector<Vector3d> spikes;
     for (double y = -50; y <= 55; y += 15) spikes.emplace_back(0.0, y, -10 + trunk_mm - 1.0);
-    for (const Vector3d &spike : spikes) {
-        const Vector3d voxel = scan.voxel(spike);
-        scan.hu[scan.at(static_cast<int>(std::lround(voxel.x())), static_cast<int>(std::lround(voxel.y())),
-                        static_cast<int>(std::lround(voxel.z())))] = 700;
-    }
-    Findings findings;
-    const FoundArteries of = find_arteries(scan, trunk().body, {}, findings, silent);
-    const Volume level = wall_level(scan, of.labels, contrast_of(of.descending), silent);
+    for (const Vector3d &spike : spikes) scan.hu[voxel_at(scan, spike)] = 700;
+    const Volume level = wall_in(scan);
     double deepest_mm = 0;
     for (const Vector3d &vertex : surface_of(level, "wall").vertices_mm)
         for (const Vector3d &spike : spikes)
@@ -487,9 +489,7 @@ static void a_bone_beside_the_mouth_of_a_branch_does_not_close_it(void **)
         fill(value, tube(place_at(scan, at), {-11.5, 45, -14.2}, {-11.5, 25, -14.2}, 2.9), 1200);
         scan.hu[at] = static_cast<float>(value);
     }
-    Findings findings;
-    const FoundArteries of = find_arteries(scan, trunk().body, {}, findings, silent);
-    const Volume level = wall_level(scan, of.labels, contrast_of(of.descending), silent);
+    const Volume level = wall_in(scan);
     for (double x = -8; x >= -20; x -= 0.5)
         if (level.value(level.voxel({x, 45, -10})) >= 0) fail_msg("closed at x = %.1f", x);
 }
