@@ -234,7 +234,10 @@ uint32_t rt_timer_read(rt_chip *chip, uint32_t module, uint32_t offset)
     uint32_t channel = offset / TMR_STRIDE_CTRL;
     bool is_second;
     rt_counter *counter = counter_of(chip, module, channel, &is_second);
-    if (counter == NULL || is_second || offset % TMR_STRIDE_CTRL != TMR_CNTR0) {
+    uint32_t which = offset % TMR_STRIDE_CTRL;
+    if (counter != NULL && which == TMR_FILT0) return is_second ? counter->filter_b : counter->filter;
+    if (counter != NULL && !is_second && which == TMR_CTRL0) return counter->control;
+    if (counter == NULL || is_second || which != TMR_CNTR0) {
         rt_unmodelled(chip, "TMR", offset, false);
         return 0;
     }
