@@ -1,5 +1,6 @@
 // Computes the signal behind tools, struts and contrast medium.
 #include "host/xray/chain.hpp"
+#include "host/xray/paths/lanes.hpp"
 #include "host/xray/paths/parallel.hpp"
 #include <algorithm>
 
@@ -15,6 +16,7 @@ constexpr int pixels_per_turn = 1024;
 struct Layer {
     int material;
     const std::int32_t *bodies; // of each pixel; nullptr if no body has this material
+    std::int32_t pixels;        // of the picture
     int slot;                   // in the tools' path lengths; -1 if no tool has this material
 };
 
@@ -26,7 +28,7 @@ std::vector<Layer> layers_of(const XrayChain &chain)
         const std::vector<std::int32_t> &bodies = chain.paths.bodies()[m];
         const auto place = std::find(drawn.begin(), drawn.end(), static_cast<Material>(m));
         if (bodies.empty() && place == drawn.end()) continue;
-        layers.push_back({m, bodies.empty() ? nullptr : bodies.data(),
+        layers.push_back({m, bodies.empty() ? nullptr : bodies.data(), chain.size * chain.size,
                           place == drawn.end() ? -1 : static_cast<int>(place - drawn.begin())});
     }
     return layers;
@@ -64,28 +66,63 @@ void collect(const ToolPaths &tools, int begin, int end, Block &block)
     }
 }
 
-// Writes the path lengths of the rays of a block in one material. A tool cannot displace more of a material
-// than lies on the ray, so no path length is below 0.
-void fill(const ToolPaths &tools, const Layer &layer, const Block &block, std::int32_t *length_q10mm)
+// Path lengths of the pixels of a block; whole lanes are written past their end.
+using OfPixels = std::array<std::int32_t, rays_at_once + lane_count>;
+
+// Copies the path lengths of the bodies. The runs are short, so a call of memcpy for each would cost more
+// than the copy.
+void copy_bodies(const Layer &layer, const Block &block, OfPixels &lengths)
 {
-    std::array<std::int32_t, rays_at_once> common{};
-    std::int32_t *next = common.data();
-    if (layer.bodies)
-        for (int i = 0; i < block.runs; ++i)
-            next = std::copy_n(layer.bodies + block.run[i].first_pixel, block.run[i].count, next);
+    std::int32_t *to = lengths.data();
+    for (int i = 0; i < block.runs; ++i) {
+        const auto [first, count] = block.run[i];
+        if (first + count + lane_count > layer.pixels) {
+            std::copy_n(layer.bodies + first, count, to);
+        } else {
+            for (int k = 0; k < count; k += lane_count)
+                *reinterpret_cast<Lanes_i_anywhere *>(to + k) =
+                    *reinterpret_cast<const Lanes_i_anywhere *>(layer.bodies + first + k);
+        }
+        to += count;
+    }
+}
+
+// Writes the path lengths of the rays of one pixel: their own and the common one. A tool cannot displace more
+// of a material than lies on the ray, so no path length is below 0.
+void spread(std::int32_t common, const std::int32_t *own, std::int32_t *length_q10mm)
+{
+    static_assert(tool_rays == lane_count + 1);
+    Lanes_i first = common - Lanes_i{};
+    if (own) first += *reinterpret_cast<const Lanes_i_anywhere *>(own);
+    *reinterpret_cast<Lanes_i_anywhere *>(length_q10mm) = first > 0 ? first : Lanes_i{};
+    length_q10mm[lane_count] = std::max(common + (own ? own[lane_count] : 0), 0);
+}
+
+// Writes the path lengths of the rays of a block in one material. Returns false, and writes nothing, if no
+// ray meets the material.
+bool fill(const ToolPaths &tools, const Layer &layer, const Block &block, std::int32_t *length_q10mm)
+{
+    OfPixels common{};
+    if (layer.bodies) copy_bodies(layer, block, common);
     if (layer.slot >= 0)
         for (int i = 0; i < block.count; ++i) common[i] += tools.wide(block.entry[i])[layer.slot];
+    else if (std::all_of(common.begin(), common.begin() + block.count,
+                         [](int length) { return length == 0; }))
+        return false;
     if (!block.has_narrow()) {
         for (int i = 0; i < block.count; ++i) length_q10mm[i] = std::max(common[i], 0);
-        return;
+        return true;
     }
     for (int i = 0; i < block.count; ++i) {
         const std::int32_t *narrow = tools.narrow(block.entry[i]);
-        const int rays = narrow ? tool_rays : 1;
-        const bool has_own = narrow && layer.slot >= 0;
-        for (int ray = 0; ray < rays; ++ray)
-            *length_q10mm++ = std::max(common[i] + (has_own ? narrow[layer.slot * tool_rays + ray] : 0), 0);
+        if (narrow) {
+            spread(common[i], layer.slot >= 0 ? narrow + layer.slot * tool_rays : nullptr, length_q10mm);
+            length_q10mm += tool_rays;
+        } else {
+            *length_q10mm++ = std::max(common[i], 0);
+        }
     }
+    return true;
 }
 
 // Computes the transmission of the pixels of a block. The transmissions of the rays of a pixel are averaged,
@@ -98,7 +135,7 @@ void transmit(const XrayChain &chain, const std::vector<Layer> &layers, const Bl
     const int padded = (block.rays + 15) / 16 * 16;
     for (const Layer &layer : layers) {
         std::int32_t *line = lengths_q10mm[layer.material].data();
-        fill(tools, layer, block, line);
+        if (!fill(tools, layer, block, line)) continue;
         std::fill(line + block.rays, line + padded, 0);
         paths[layer.material] = line;
     }
@@ -132,34 +169,59 @@ void find_gain(XrayChain &chain, const std::vector<Layer> &layers, const RowRang
     }
 }
 
-// Computes the slopes of a row of squares from the transmissions at their middles, without and with a little
-// medium.
-void find_haze_row(XrayChain &chain, const std::vector<Layer> &layers, int row)
+// Squares whose faint medium is looked for together.
+constexpr int squares_at_once = 16, pixels_at_once = squares_at_once * XrayChain::haze_pixels;
+
+// Returns whether a row of pixels has faint medium in `count` columns.
+bool has_faint(const float *length_mm, int count)
+{
+    float sum = 0.0f;
+    for (int x = 0; x < count; ++x) sum = std::max(sum, length_mm[x]);
+    return sum > 0.0f;
+}
+
+// Computes the slopes of some squares in a row from the transmissions at their middles, without and with a
+// little medium.
+void find_haze_squares(XrayChain &chain, const std::vector<Layer> &layers, int row, int first)
 {
     constexpr std::int32_t probe_q10mm = 1024; // 1 mm
-    const int count = chain.haze_size(), padded = (count + 15) / 16 * 16;
+    const int count = std::min(squares_at_once, chain.haze_size() - first);
     const auto pixel_of = [&](int square) {
         return std::min(square * XrayChain::haze_pixels + XrayChain::haze_pixels / 2, chain.size - 1);
     };
     const std::size_t line = static_cast<std::size_t>(pixel_of(row)) * chain.size;
-    std::array<std::vector<std::int32_t>, material_count> lengths_q10mm;
+    std::array<std::array<std::int32_t, squares_at_once>, material_count> lengths_q10mm;
     std::array<const std::int32_t *, material_count> paths{};
     for (const Layer &layer : layers) {
-        std::vector<std::int32_t> &lengths = lengths_q10mm[layer.material];
-        lengths.assign(static_cast<std::size_t>(padded), 0);
-        for (int i = 0; i < count && layer.bodies; ++i) lengths[i] = layer.bodies[line + pixel_of(i)];
-        if (layer.material == static_cast<int>(Material::iohexol_350))
-            for (std::int32_t &length : lengths) length += probe_q10mm;
+        auto &lengths = lengths_q10mm[layer.material];
+        lengths.fill(layer.material == static_cast<int>(Material::iohexol_350) ? probe_q10mm : 0);
+        for (int i = 0; i < count && layer.bodies; ++i)
+            lengths[i] += layer.bodies[line + pixel_of(first + i)];
         paths[layer.material] = lengths.data();
     }
-    std::vector<float> transmitted(static_cast<std::size_t>(padded));
-    transmission_row(chain.beam, paths, padded, transmitted.data());
+    std::array<float, squares_at_once> transmitted;
+    transmission_row(chain.beam, paths, squares_at_once, transmitted.data());
     for (int i = 0; i < count; ++i) {
-        const std::size_t pixel = line + pixel_of(i), square = static_cast<std::size_t>(row) * count + i;
+        const std::size_t pixel = line + pixel_of(first + i),
+                          square = static_cast<std::size_t>(row) * chain.haze_size() + first + i;
         chain.haze_slope[square] =
             std::clamp(chain.transmission[pixel] / std::max(transmitted[i], 1e-12f) - 1.0f, 0.0f, 10.0f);
         chain.haze_primary[square] =
             std::min(chain.primary[pixel] / std::max(chain.signal[pixel], 1e-12f), 1.0f);
+    }
+}
+
+// Squares without faint medium keep old slopes, which no pixel uses.
+void find_haze_row(XrayChain &chain, const std::vector<Layer> &layers, int row)
+{
+    const int y0 = row * XrayChain::haze_pixels, y1 = std::min(y0 + XrayChain::haze_pixels, chain.size);
+    for (int x = 0; x < chain.size; x += pixels_at_once) {
+        const int columns = std::min(pixels_at_once, chain.size - x);
+        bool is_seen = false;
+        for (int y = y0; y < y1 && !is_seen; ++y)
+            is_seen = has_faint(
+                chain.paths.tools().haze_mm.data() + static_cast<std::size_t>(y) * chain.size + x, columns);
+        if (is_seen) find_haze_squares(chain, layers, row, x / XrayChain::haze_pixels);
     }
 }
 
@@ -182,10 +244,14 @@ void attenuate_faint(const XrayChain &chain, int row, float *signal)
     if (haze_mm.empty()) return;
     const float *length_mm = haze_mm.data() + static_cast<std::size_t>(row) * chain.size;
     const std::size_t squares = static_cast<std::size_t>(row / XrayChain::haze_pixels) * chain.haze_size();
-    for (int x = 0; x < chain.size; ++x) {
-        const std::size_t square = squares + static_cast<std::size_t>(x / XrayChain::haze_pixels);
-        const float weaker = chain.haze_slope[square] * length_mm[x];
-        signal[x] *= 1.0f - chain.haze_primary[square] * weaker / (1.0f + weaker);
+    for (int begin = 0; begin < chain.size; begin += pixels_at_once) {
+        const int end = std::min(begin + pixels_at_once, chain.size);
+        if (!has_faint(length_mm + begin, end - begin)) continue;
+        for (int x = begin; x < end; ++x) {
+            const std::size_t square = squares + static_cast<std::size_t>(x / XrayChain::haze_pixels);
+            const float weaker = chain.haze_slope[square] * length_mm[x];
+            signal[x] *= 1.0f - chain.haze_primary[square] * weaker / (1.0f + weaker);
+        }
     }
 }
 

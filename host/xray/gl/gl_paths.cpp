@@ -46,6 +46,19 @@ void GlPaths::move(int body, std::span<const Eigen::Vector3i> vertices_um)
 bool GlPaths::draw(const View &view, std::span<const std::uint8_t> is_drawn, const PixelRect &rect,
                    PathForm form, PathPictures &pictures, std::string &error)
 {
+    return draw_rows(nullptr, view, is_drawn, rect, form, pictures, error);
+}
+
+bool GlPaths::draw_on(const PathPictures &still, bool, const View &view,
+                      std::span<const std::uint8_t> is_drawn, const PixelRect &rect, PathPictures &pictures,
+                      std::string &error)
+{
+    return draw_rows(&still, view, is_drawn, rect, PathForm::ray_lengths, pictures, error);
+}
+
+bool GlPaths::draw_rows(const PathPictures *still, const View &view, std::span<const std::uint8_t> is_drawn,
+                        const PixelRect &rect, PathForm form, PathPictures &pictures, std::string &error)
+{
     if (rect.is_empty()) return true;
     try {
         try {
@@ -62,21 +75,24 @@ bool GlPaths::draw(const View &view, std::span<const std::uint8_t> is_drawn, con
     std::fill(is_stale_.begin(), is_stale_.end(), std::uint8_t{0});
     run_on_threads(threads_, [&](int thread) {
         const RowRange rows = rows_of_thread(thread, threads_, rect.y1 - rect.y0);
-        for (int row = rows.begin; row < rows.end; ++row) resolve_row(view, rect, row, form, pictures);
+        for (int row = rows.begin; row < rows.end; ++row) resolve_row(still, view, rect, row, form, pictures);
     });
     return true;
 }
 
 // Converts a row of depth sums in mm to the pictures of the materials in 1/1024 mm; `row` is counted from the
-// top of the rectangle.
-void GlPaths::resolve_row(const View &view, const PixelRect &rect, int row, PathForm form,
-                          PathPictures &pictures) const
+// top of the rectangle. The sums of `still`, if any, are added.
+void GlPaths::resolve_row(const PathPictures *still, const View &view, const PixelRect &rect, int row,
+                          PathForm form, PathPictures &pictures) const
 {
     const int width = rect.x1 - rect.x0;
     const std::size_t begin = static_cast<std::size_t>(rect.y0 + row) * view.size + rect.x0;
     for (const MeshChannel &channel : meshes_->channels)
         for (int material : {channel.own, channel.parent})
-            if (material >= 0) std::fill_n(pictures[material].data() + begin, width, 0);
+            if (material >= 0 && still)
+                std::copy_n((*still)[material].data() + begin, width, pictures[material].data() + begin);
+            else if (material >= 0)
+                std::fill_n(pictures[material].data() + begin, width, 0);
     for (std::size_t channel = 0; channel < meshes_->channels.size(); ++channel) {
         const MeshChannel &of = meshes_->channels[channel];
         const float *sum_mm = sums_mm_[channel].data() + static_cast<std::size_t>(row) * width;

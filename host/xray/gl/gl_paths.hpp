@@ -28,12 +28,17 @@ class GlPaths final : public BodyPaths
     void move(int body, std::span<const Eigen::Vector3i> vertices_um) override;
     bool draw(const View &view, std::span<const std::uint8_t> is_drawn, const PixelRect &rect, PathForm form,
               PathPictures &pictures, std::string &error) override;
+    bool draw_on(const PathPictures &still, bool is_new, const View &view,
+                 std::span<const std::uint8_t> is_drawn, const PixelRect &rect, PathPictures &pictures,
+                 std::string &error) override;
     const GlDescription &description() const { return description_; }
 
   private:
     void open_device();
-    void resolve_row(const View &view, const PixelRect &rect, int row, PathForm form,
-                     PathPictures &pictures) const;
+    bool draw_rows(const PathPictures *still, const View &view, std::span<const std::uint8_t> is_drawn,
+                   const PixelRect &rect, PathForm form, PathPictures &pictures, std::string &error);
+    void resolve_row(const PathPictures *still, const View &view, const PixelRect &rect, int row,
+                     PathForm form, PathPictures &pictures) const;
 
     const BodyMeshes *meshes_;
     std::unique_ptr<BodyMeshes> moved_; // own copy, made at the first move

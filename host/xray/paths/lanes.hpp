@@ -14,6 +14,8 @@ typedef std::uint32_t Lanes_u __attribute__((vector_size(32)));
 typedef float Lanes_f __attribute__((vector_size(32)));
 typedef std::int32_t Lanes_i_anywhere __attribute__((vector_size(32), aligned(4), may_alias));
 
+typedef float Lanes_f_anywhere __attribute__((vector_size(32), aligned(4), may_alias));
+
 // Four numbers at a time, for the coordinates of a point.
 typedef std::int32_t Four_i __attribute__((vector_size(16)));
 typedef std::uint32_t Four_u __attribute__((vector_size(16)));

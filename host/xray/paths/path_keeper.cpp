@@ -107,13 +107,19 @@ PathKeeper::PathKeeper(const BodyMeshes &meshes, std::unique_ptr<BodyPaths> back
         displaced_ = Material::soft_tissue;
 }
 
+// Continues with the rasteriser after a back end has failed.
+void PathKeeper::take_raster()
+{
+    back_end_ = std::make_unique<RasterPaths>(meshes_, threads_);
+    for (std::size_t i = 0; i < moved_.size(); ++i)
+        if (!moved_[i].vertices_um.empty()) back_end_->move(static_cast<int>(i), moved_[i].vertices_um);
+}
+
 void PathKeeper::draw(std::span<const std::uint8_t> is_drawn, const PixelRect &rect, PathForm form,
                       PathPictures &pictures)
 {
     if (back_end_->draw(view_, is_drawn, rect, form, pictures, error_)) return;
-    back_end_ = std::make_unique<RasterPaths>(meshes_, threads_);
-    for (std::size_t i = 0; i < moved_.size(); ++i)
-        if (!moved_[i].vertices_um.empty()) back_end_->move(static_cast<int>(i), moved_[i].vertices_um);
+    take_raster();
     std::string none;
     back_end_->draw(view_, is_drawn, rect, form, pictures, none);
 }
@@ -167,18 +173,10 @@ void PathKeeper::see_view()
         is_still[i] = !is_moved_[i];
         is_any_moved = is_any_moved || is_moved_[i];
     }
-    still_ = moving_ = {};
+    still_ = {};
     moving_rect_ = {};
-    has_moved_ = {};
-    for (std::size_t i = 0; i < is_moved_.size(); ++i) {
-        if (!is_moved_[i]) continue;
-        const MeshChannel &channel = meshes_.channels[static_cast<std::size_t>(meshes_.channel_of_body[i])];
-        for (const int material : {channel.own, channel.parent})
-            if (material >= 0) has_moved_[static_cast<std::size_t>(material)] = true;
-    }
     if (is_any_moved) {
         size_pictures(meshes_, size, still_);
-        size_pictures(meshes_, size, moving_);
         draw(is_still, changed_, PathForm::axis_sums, still_);
     } else {
         draw(is_still, changed_, PathForm::ray_lengths, bodies_);
@@ -186,30 +184,19 @@ void PathKeeper::see_view()
     is_filled_ = true;
 }
 
-// Redraws the pixels that the moved bodies cover now or covered before, and adds the bodies to the sums of
-// those that do not move. In a view that is kept, only materials of moved bodies change.
-void PathKeeper::see_moved(const PixelRect &at_least)
+// Redraws the pixels that the moved bodies cover now or covered before, on the sums of those that do not
+// move.
+void PathKeeper::see_moved(bool is_new_view)
 {
-    const bool is_new_view = !at_least.is_empty();
-    const PixelRect now = moved_rect();
-    const PixelRect touched = around_both(moving_rect_, now);
+    const PixelRect whole{0, 0, view_.size, view_.size}, now = moved_rect();
+    changed_ = is_new_view ? whole : around_both(moving_rect_, now);
     moving_rect_ = now;
-    draw(is_moved_, touched, PathForm::axis_sums, moving_);
-    changed_ = around_both(touched, at_least);
-    const int columns = changed_.x1 - changed_.x0;
-    run_on_threads(threads_, [&](int thread) {
-        const RowRange rows = rows_of_thread(thread, threads_, changed_.y1 - changed_.y0);
-        std::vector<float> oblique(static_cast<std::size_t>(columns));
-        for (int row = changed_.y0 + rows.begin; row < changed_.y0 + rows.end; ++row) {
-            oblique_of_row(view_, row, changed_.x0, changed_.x1, oblique.data());
-            const std::size_t begin =
-                static_cast<std::size_t>(row) * view_.size + static_cast<std::size_t>(changed_.x0);
-            for (std::size_t m = 0; m < bodies_.size(); ++m)
-                if (!bodies_[m].empty() && (is_new_view || has_moved_[m]))
-                    finish_sum(still_[m].data() + begin, moving_[m].data() + begin, oblique.data(), columns,
-                               bodies_[m].data() + begin);
-        }
-    });
+    if (changed_.is_empty()) return;
+    if (back_end_->draw_on(still_, is_new_view, view_, is_moved_, changed_, bodies_, error_)) return;
+    take_raster();
+    changed_ = whole;
+    std::string none;
+    back_end_->draw_on(still_, true, view_, is_moved_, whole, bodies_, none);
 }
 
 bool PathKeeper::see(const CArm &carm, int size, const XrayFrame &frame)
@@ -227,7 +214,7 @@ bool PathKeeper::see(const CArm &carm, int size, const XrayFrame &frame)
     const int lines = are_bodies_drawn && threads_ > 1 ? 2 : 1;
     run_on_threads(lines, [&](int line) {
         if (line == 0 && is_new) see_view();
-        if (line == 0 && is_any_moved && are_bodies_drawn) see_moved(changed_);
+        if (line == 0 && is_any_moved && are_bodies_drawn) see_moved(is_new);
         if (line == lines - 1) draw_tubes(frame, view_, displaced_, tools_);
     });
     return is_new || have_moved;

@@ -33,8 +33,9 @@ class PathKeeper
     // Moves the bodies of the back end to their positions in the frame. True when any has changed.
     bool move(const XrayFrame &frame);
     void see_view();
-    void see_moved(const PixelRect &at_least);
+    void see_moved(bool is_new_view);
     PixelRect moved_rect() const;
+    void take_raster();
     void draw(std::span<const std::uint8_t> is_drawn, const PixelRect &rect, PathForm form,
               PathPictures &pictures);
 
@@ -47,14 +48,12 @@ class PathKeeper
     CArm carm_;
     View view_;
     std::vector<std::uint8_t> is_moved_; // of each body
-    std::array<bool, material_count>
-        has_moved_{}; // materials of the moved bodies and of what lies around them
     struct Moved {
         std::vector<Eigen::Vector3i> vertices_um; // empty: as in the scene
         PointBox box_um;
     };
-    std::vector<Moved> moved_;    // of each body
-    PathPictures still_, moving_; // axis sums; empty while no body is moved
+    std::vector<Moved> moved_; // of each body
+    PathPictures still_;       // axis sums; empty while no body is moved
     PixelRect moving_rect_, changed_;
     PathPictures bodies_;
     ToolPaths tools_;

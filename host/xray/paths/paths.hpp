@@ -61,6 +61,15 @@ class BodyPaths
     // Returns false with a message if the graphics device fails; PathKeeper then continues with RasterPaths.
     virtual bool draw(const View &view, std::span<const std::uint8_t> is_drawn, const PixelRect &rect,
                       PathForm form, PathPictures &pictures, std::string &error) = 0;
+
+    // Sets the pixels in `rect` to the ray lengths of the selected bodies together with the bodies whose
+    // depth sums draw() has written to `still`. If `is_new` is false, then `pictures` hold the result of the
+    // last call with the same view, the same sums and the same selection, and `rect` contains all pixels that
+    // the selected bodies cover now or covered at that call; the back end may keep every pixel whose ray they
+    // do not meet.
+    virtual bool draw_on(const PathPictures &still, bool is_new, const View &view,
+                         std::span<const std::uint8_t> is_drawn, const PixelRect &rect,
+                         PathPictures &pictures, std::string &error) = 0;
 };
 
 // Converts depth sums along the central axis to path lengths along the rays, in place, for the columns
@@ -70,10 +79,6 @@ void finish_row(const View &view, int row, int begin, int end, std::int32_t *lin
 // Computes for each pixel [begin, end) of a row the length along its ray divided by the length along the
 // central axis.
 void oblique_of_row(const View &view, int row, int begin, int end, float *oblique);
-
-// Adds two rows of depth sums and converts them as finish_row does. The pointers begin at the first pixel.
-void finish_sum(const std::int32_t *one, const std::int32_t *other, const float *oblique, int count,
-                std::int32_t *to);
 
 // Holds the path lengths in tools, which are added to the path lengths in the bodies. Only the pixels that a
 // tool touches have an entry with path lengths in tools. Several rays pass through each pixel that a tool

@@ -1,7 +1,7 @@
 // The threads first share the chunks of triangles and then the tiles of the picture, so that only one thread
 // writes each pixel.
 #include "host/xray/paths/raster_paths.hpp"
-#include "host/xray/paths/parallel.hpp"
+#include "host/xray/paths/lanes.hpp"
 #include "host/xray/paths/raster_tile.hpp"
 #include <algorithm>
 #include <atomic>
@@ -9,24 +9,17 @@
 
 namespace crn
 {
-namespace
-{
+// Lists the depth sums of several channels of a tile: those that are added to a material's path lengths, and
+// those that are subtracted.
+struct DepthSums {
+    std::vector<const std::int32_t *> added, subtracted;
+    int offset = 0; // of the row
 
-// Holds one row of a channel's depth sums, and the sign with which the row is added to a material's path
-// lengths.
-struct SignedRow {
-    const std::int32_t *line;
-    std::int32_t sign; // 0: added, -1: subtracted
+    bool is_empty() const { return added.empty() && subtracted.empty(); }
 };
 
-CRN_WIDE void add_rows(std::span<const SignedRow> rows, int count, std::int32_t *to)
+namespace
 {
-    for (int x = 0; x < count; ++x) to[x] = (rows[0].line[x] ^ rows[0].sign) - rows[0].sign;
-    for (const SignedRow &row : rows.subspan(1)) {
-        const std::int32_t *line = row.line, sign = row.sign;
-        for (int x = 0; x < count; ++x) to[x] += (line[x] ^ sign) - sign;
-    }
-}
 
 // In most tiles of the picture, most materials do not occur. For a row of path lengths, testing for zeros is
 // cheaper than writing zeros again, because a write uses memory bandwidth twice.
@@ -44,9 +37,79 @@ inline std::int32_t lengthened(std::int32_t sum, float oblique)
     return static_cast<std::int32_t>(length > 0.0f ? length : 0.0f);
 }
 
+inline __attribute__((always_inline)) const Lanes_i_anywhere &lanes_at(const std::int32_t *from)
+{
+    return *reinterpret_cast<const Lanes_i_anywhere *>(from);
+}
+
+// Adds depth sums from column x on, for `vectors` times eight columns, and converts the result to lengths
+// along the rays. The sums stay in registers.
+template <int vectors, bool has_still, bool is_long>
+inline __attribute__((always_inline)) void resolve_columns(const DepthSums &sums, const std::int32_t *still,
+                                                           const float *oblique, int x, std::int32_t *to)
+{
+    Lanes_i sum[vectors];
+    for (int k = 0; k < vectors; ++k)
+        sum[k] = has_still ? lanes_at(still + x + k * lane_count) : Lanes_i_anywhere{};
+    for (const std::int32_t *from : sums.added)
+        for (int k = 0; k < vectors; ++k) sum[k] += lanes_at(from + sums.offset + x + k * lane_count);
+    for (const std::int32_t *from : sums.subtracted)
+        for (int k = 0; k < vectors; ++k) sum[k] -= lanes_at(from + sums.offset + x + k * lane_count);
+    for (int k = 0; k < vectors; ++k) {
+        if constexpr (is_long) {
+            const Lanes_f factor = *reinterpret_cast<const Lanes_f_anywhere *>(oblique + x + k * lane_count);
+            Lanes_f length = __builtin_convertvector(sum[k], Lanes_f) * factor + 0.5f;
+            length = length > 0.0f ? length : Lanes_f{};
+            sum[k] = __builtin_convertvector(length, Lanes_i);
+        }
+        *reinterpret_cast<Lanes_i_anywhere *>(to + x + k * lane_count) = sum[k];
+    }
+}
+
+template <bool has_still, bool is_long>
+inline __attribute__((always_inline)) void resolve_row(const DepthSums &sums, const std::int32_t *still,
+                                                       const float *oblique, int count, std::int32_t *to)
+{
+    constexpr int vectors = 4, at_once = vectors * lane_count;
+    int x = 0;
+    for (; x + at_once <= count; x += at_once)
+        resolve_columns<vectors, has_still, is_long>(sums, still, oblique, x, to);
+    for (; x + lane_count <= count; x += lane_count)
+        resolve_columns<1, has_still, is_long>(sums, still, oblique, x, to);
+    for (; x < count; ++x) {
+        std::int32_t sum = has_still ? still[x] : 0;
+        for (const std::int32_t *from : sums.added) sum += from[sums.offset + x];
+        for (const std::int32_t *from : sums.subtracted) sum -= from[sums.offset + x];
+        to[x] = is_long ? lengthened(sum, oblique[x]) : sum;
+    }
+}
+
+CRN_WIDE void add_rows(const DepthSums &sums, int count, std::int32_t *to)
+{
+    resolve_row<false, false>(sums, nullptr, nullptr, count, to);
+}
+
+CRN_WIDE void lengthen_rows(const DepthSums &sums, const float *oblique, int count, std::int32_t *to)
+{
+    resolve_row<false, true>(sums, nullptr, oblique, count, to);
+}
+
+CRN_WIDE void lengthen_rows_on(const DepthSums &sums, const std::int32_t *still, const float *oblique,
+                               int count, std::int32_t *to)
+{
+    resolve_row<true, true>(sums, still, oblique, count, to);
+}
+
 CRN_WIDE void lengthen_row(const std::int32_t *from, const float *oblique, int count, std::int32_t *to)
 {
     for (int x = 0; x < count; ++x) to[x] = lengthened(from[x], oblique[x]);
+}
+
+RowRange around_both(const RowRange &a, const RowRange &b)
+{
+    if (a.begin >= a.end) return b;
+    if (b.begin >= b.end) return a;
+    return {std::min(a.begin, b.begin), std::max(a.end, b.end)};
 }
 
 } // namespace
@@ -61,12 +124,6 @@ CRN_WIDE void oblique_of_row(const View &view, int row, int begin, int end, floa
         const float dx = static_cast<float>(x) + 0.5f - half;
         oblique[x - begin] = std::sqrt(dx * dx + square) * scale;
     }
-}
-
-CRN_WIDE void finish_sum(const std::int32_t *one, const std::int32_t *other, const float *oblique, int count,
-                         std::int32_t *to)
-{
-    for (int x = 0; x < count; ++x) to[x] = lengthened(one[x] + other[x], oblique[x]);
 }
 
 void finish_row(const View &view, int row, int begin, int end, std::int32_t *line)
@@ -120,62 +177,112 @@ void RasterPaths::project(const Camera &camera, std::span<const std::uint8_t> is
             projection_.seen.push_back(static_cast<std::uint32_t>(i));
 }
 
-void RasterPaths::sum_tile(const Camera &camera, const PixelRect &rect, Tile &tile) const
+// Adds the depths of the faces in a tile to the sums of their channels. Only the rows that a channel's chunks
+// cover are cleared before.
+void RasterPaths::sum_tile(const Camera &camera, Tile &tile) const
 {
+    const PixelRect &rect = tile.rect;
     tile.sums.resize(meshes_->channels.size() * tile_ints);
-    tile.has_channel.assign(meshes_->channels.size(), 0);
-    TileRaster raster(*meshes_, vertices_, camera, projection_, rect);
+    tile.rows.assign(meshes_->channels.size(), {0, 0});
+    tile.chunks.clear();
     for (const std::uint32_t i : projection_.seen) {
         const Projection::OfChunk &chunk = projection_.chunks[i];
         if (chunk.x0 >= rect.x1 || chunk.x1 < rect.x0 || chunk.y0 >= rect.y1 || chunk.y1 < rect.y0) continue;
-        const int channel = meshes_->chunks[i].channel;
-        std::int32_t *sums = tile.sums.data() + channel * tile_ints;
-        if (!tile.has_channel[channel]) std::fill_n(sums, tile_ints, 0);
-        tile.has_channel[channel] = 1;
-        raster.add(i, sums);
+        tile.chunks.push_back(i);
+        RowRange &rows = tile.rows[static_cast<std::size_t>(meshes_->chunks[i].channel)];
+        rows = around_both(rows, {std::max<int>(chunk.y0, rect.y0) - rect.y0,
+                                  std::min<int>(chunk.y1 + 1, rect.y1) - rect.y0});
     }
+    for (std::size_t channel = 0; channel < tile.rows.size(); ++channel) {
+        const RowRange &rows = tile.rows[channel];
+        std::fill_n(tile.sums.data() + channel * tile_ints + rows.begin * tile_stride,
+                    (rows.end - rows.begin) * tile_stride, 0);
+    }
+    TileRaster raster(*meshes_, vertices_, camera, projection_, rect);
+    for (const std::uint32_t i : tile.chunks)
+        raster.add(i, tile.sums.data() + meshes_->chunks[i].channel * tile_ints);
     raster.finish();
 }
 
-// Computes the path lengths of one material in a tile: adds the channels of this material, and subtracts the
-// channels whose bodies lie in it.
-void RasterPaths::resolve_material(const View &view, const PixelRect &rect, const Tile &tile, int material,
-                                   PathForm form, PathPictures &pictures) const
+// Lists the sums that make up a material's path lengths in a row, and reduces `end` to the first row for
+// which the list is another one.
+void RasterPaths::list_sums(const Tile &tile, int material, int row, int &end, DepthSums &sums) const
 {
-    const int columns = rect.x1 - rect.x0;
-    std::vector<SignedRow> rows;
+    sums.added.clear();
+    sums.subtracted.clear();
     for (std::size_t i = 0; i < meshes_->channels.size(); ++i) {
         const MeshChannel &channel = meshes_->channels[i];
-        if (!tile.has_channel[i] || channel.own == channel.parent) continue;
-        const std::int32_t *sums = tile.sums.data() + i * tile_ints;
-        if (channel.own == material) rows.push_back({sums, 0});
-        if (channel.parent == material) rows.push_back({sums, -1});
-    }
-    const bool is_one = rows.size() == 1 && rows[0].sign == 0;
-    std::int32_t sum[tile_columns];
-    for (int row = rect.y0; row < rect.y1; ++row) {
-        std::int32_t *to = pictures[material].data() + static_cast<std::size_t>(row) * view.size + rect.x0;
-        if (rows.empty()) {
-            clear_row(columns, to);
+        const RowRange &rows = tile.rows[i];
+        if (channel.own == channel.parent || (channel.own != material && channel.parent != material))
             continue;
-        }
-        const bool is_done = form == PathForm::axis_sums;
-        if (!is_one || is_done) add_rows(rows, columns, is_done ? to : sum);
-        if (!is_done)
-            lengthen_row(is_one ? rows[0].line : sum, tile.oblique.data() + (row - rect.y0) * tile_columns,
-                         columns, to);
-        for (SignedRow &of : rows) of.line += tile_stride;
+        if (row < rows.begin) end = std::min(end, rows.begin);
+        if (row < rows.begin || row >= rows.end) continue;
+        end = std::min(end, rows.end);
+        (channel.own == material ? sums.added : sums.subtracted).push_back(tile.sums.data() + i * tile_ints);
     }
 }
 
-void RasterPaths::resolve_tile(const View &view, const PixelRect &rect, Tile &tile, PathForm form,
-                               PathPictures &pictures) const
+// Computes the path lengths of one material in some rows of a tile: adds the channels of this material, and
+// subtracts the channels whose bodies lie in it.
+void RasterPaths::resolve_rows(const Task &task, const Tile &tile, int material, const RowRange &rows) const
 {
+    const auto size = static_cast<std::size_t>(task.view.size);
+    const int columns = tile.rect.x1 - tile.rect.x0;
+    DepthSums sums;
+    int end = rows.begin;
+    for (int row = rows.begin; row < rows.end; ++row) {
+        if (row == end) list_sums(tile, material, row, end = rows.end, sums);
+        sums.offset = row * tile_stride;
+        const std::size_t begin = static_cast<std::size_t>(tile.rect.y0 + row) * size + tile.rect.x0;
+        const float *oblique = tile.oblique.data() + row * tile_columns;
+        std::int32_t *to = task.pictures[material].data() + begin;
+        if (task.still)
+            lengthen_rows_on(sums, (*task.still)[material].data() + begin, oblique, columns, to);
+        else if (sums.is_empty())
+            clear_row(columns, to);
+        else if (task.form == PathForm::axis_sums)
+            add_rows(sums, columns, to);
+        else
+            lengthen_rows(sums, oblique, columns, to);
+    }
+}
+
+// Returns the rows of a tile in which bodies of this material, or bodies in it, lie.
+RowRange RasterPaths::rows_of_material(const Tile &tile, int material) const
+{
+    RowRange rows{0, 0};
+    for (std::size_t i = 0; i < meshes_->channels.size(); ++i) {
+        const MeshChannel &channel = meshes_->channels[i];
+        if (channel.own != channel.parent && (channel.own == material || channel.parent == material))
+            rows = around_both(rows, tile.rows[i]);
+    }
+    return rows;
+}
+
+void RasterPaths::measure_rays(const View &view, Tile &tile) const
+{
+    const PixelRect &rect = tile.rect;
     tile.oblique.resize(tile_rows * tile_columns);
-    if (form == PathForm::ray_lengths)
-        for (int row = rect.y0; row < rect.y1; ++row)
-            oblique_of_row(view, row, rect.x0, rect.x1, tile.oblique.data() + (row - rect.y0) * tile_columns);
-    for (int material : materials_) resolve_material(view, rect, tile, material, form, pictures);
+    for (int row = rect.y0; row < rect.y1; ++row)
+        oblique_of_row(view, row, rect.x0, rect.x1, tile.oblique.data() + (row - rect.y0) * tile_columns);
+}
+
+// Divides the rectangle into tiles, sums each, and passes its number and its sums to `resolve`.
+template <class Resolve>
+void RasterPaths::draw_tiles(const Camera &camera, const PixelRect &rect, const Resolve &resolve)
+{
+    const int across = (rect.x1 - rect.x0 + tile_columns - 1) / tile_columns;
+    const int down = (rect.y1 - rect.y0 + tile_rows - 1) / tile_rows;
+    std::atomic<int> next = 0;
+    run_on_threads(threads_, [&](int thread) {
+        Tile &tile = tiles_[thread];
+        for (int i = next++; i < across * down; i = next++) {
+            const int x = rect.x0 + i % across * tile_columns, y = rect.y0 + i / across * tile_rows;
+            tile.rect = {x, y, std::min(x + tile_columns, rect.x1), std::min(y + tile_rows, rect.y1)};
+            sum_tile(camera, tile);
+            resolve(i, tile);
+        }
+    });
 }
 
 bool RasterPaths::draw(const View &view, std::span<const std::uint8_t> is_drawn, const PixelRect &rect,
@@ -185,16 +292,37 @@ bool RasterPaths::draw(const View &view, std::span<const std::uint8_t> is_drawn,
     const Camera camera = make_camera(view);
     if (!vertices_.grain_places.empty()) projection_.grain = grain_in(view);
     project(camera, is_drawn, rect);
-    const int across = (rect.x1 - rect.x0 + tile_columns - 1) / tile_columns;
-    const int down = (rect.y1 - rect.y0 + tile_rows - 1) / tile_rows;
-    std::atomic<int> next = 0;
-    run_on_threads(threads_, [&](int thread) {
-        for (int i = next++; i < across * down; i = next++) {
-            const int x = rect.x0 + i % across * tile_columns, y = rect.y0 + i / across * tile_rows;
-            const PixelRect tile = {x, y, std::min(x + tile_columns, rect.x1),
-                                    std::min(y + tile_rows, rect.y1)};
-            sum_tile(camera, tile, tiles_[thread]);
-            resolve_tile(view, tile, tiles_[thread], form, pictures);
+    const Task task{view, form, nullptr, pictures};
+    draw_tiles(camera, rect, [&](int, Tile &tile) {
+        if (form == PathForm::ray_lengths) measure_rays(view, tile);
+        for (int material : materials_) resolve_rows(task, tile, material, {0, tile.rect.y1 - tile.rect.y0});
+    });
+    return true;
+}
+
+// The tiles are those of the whole picture. In each, only the rows that a material covers now or covered at
+// the last call are computed anew.
+bool RasterPaths::draw_on(const PathPictures &still, bool is_new, const View &view,
+                          std::span<const std::uint8_t> is_drawn, const PixelRect &, PathPictures &pictures,
+                          std::string &)
+{
+    const PixelRect rect{0, 0, view.size, view.size};
+    const Camera camera = make_camera(view);
+    if (!vertices_.grain_places.empty()) projection_.grain = grain_in(view);
+    project(camera, is_drawn, rect);
+    const int tiles =
+        ((view.size + tile_columns - 1) / tile_columns) * ((view.size + tile_rows - 1) / tile_rows);
+    if (is_new) covered_.assign(static_cast<std::size_t>(tiles) * materials_.size(), {0, tile_rows});
+    const Task task{view, PathForm::ray_lengths, &still, pictures};
+    draw_tiles(camera, rect, [&](int i, Tile &tile) {
+        measure_rays(view, tile);
+        RowRange *covered = covered_.data() + static_cast<std::size_t>(i) * materials_.size();
+        for (int material : materials_) {
+            const RowRange rows = rows_of_material(tile, material);
+            const RowRange changed = around_both(rows, *covered);
+            resolve_rows(task, tile, material,
+                         {changed.begin, std::min(changed.end, tile.rect.y1 - tile.rect.y0)});
+            *covered++ = rows;
         }
     });
     return true;

@@ -241,6 +241,41 @@ static void kept_view_gives_the_same_picture_as_a_new_one(void **)
     assert_false(first->xray->last_render_used_cache());
 }
 
+// A renderer that has drawn other poses, tools and views must give the picture of one that draws for the
+// first time: a lung that breathes, a guidewire, and medium in a wide, a narrow and a small vessel.
+static void breath_gives_the_picture_of_a_new_renderer_with_tools_and_medium(void **)
+{
+    const Bodies bodies = chest_like();
+    XrayScene scene;
+    std::string error;
+    assert_true(scene.set_bodies(bodies, error));
+    Xray kept(scene, 2);
+    const std::vector<RadiopaqueInstrument> wires = {guidewire_look()};
+    for (int pulse = 0; pulse < 8; ++pulse) {
+        XraySettings settings = oblique_settings();
+        if (pulse > 3) settings.carm.isocentre_m.y() += 0.03;
+        std::vector<Eigen::Vector3i> lung = bodies.bodies[1].vertices_um;
+        for (Eigen::Vector3i &at : lung) at.y() += pulse == 6 ? 0 : 900 * pulse;
+        const MovedBody moved[] = {{1, lung}};
+        std::vector<SweptCurve> curves(3, {Material::iohexol_350, {}});
+        for (int i = 0; i <= 10; ++i) {
+            const double s = 0.1 * i, filled = 0.1 + 0.08 * pulse;
+            curves[0].points.push_back({{0.01, -0.05 + 0.1 * s, 0.01 * s}, 0.012, filled});
+            curves[1].points.push_back({{-0.03 + 0.05 * s, 0.02 * s, 0.02}, 0.003, filled});
+            curves[2].points.push_back({{0.02 + 0.06 * s, 0.03 * s * pulse, 0.0}, 0.0004, filled});
+        }
+        curves[2].is_fine = true;
+        WireFrame wire = bent_wire();
+        for (WireNode &node : wire.nodes) node.position_m.x() += 0.001 * pulse;
+        const XrayFrame frame{wires, wire, curves, moved};
+        XrayPicture picture, expected;
+        kept.render(settings, frame, 7, nullptr, picture);
+        Xray(scene, 1).render(settings, frame, 7, nullptr, expected);
+        assert_true(picture.raw == expected.raw && picture.photons == expected.photons);
+        assert_true(picture.grey == expected.grey && picture.shown == expected.shown);
+    }
+}
+
 // The path length times the cross-section of the beam, summed over all pixels, must be the volume of the
 // guidewire's tube, including its bends.
 static void tube_has_the_volume_of_its_wire(void **)
@@ -393,6 +428,7 @@ int main()
         cmocka_unit_test(picture_is_the_same_for_any_number_of_threads),
         cmocka_unit_test(picture_of_contrast_medium_is_the_same_for_any_number_of_threads),
         cmocka_unit_test(kept_view_gives_the_same_picture_as_a_new_one),
+        cmocka_unit_test(breath_gives_the_picture_of_a_new_renderer_with_tools_and_medium),
         cmocka_unit_test(tube_has_the_volume_of_its_wire),
         cmocka_unit_test(tube_is_unbroken_and_as_thick_as_the_wire),
         cmocka_unit_test(cramped_or_broken_wire_frames_do_no_harm),

@@ -438,6 +438,58 @@ static void a_moved_body_is_drawn_as_if_the_scene_had_it_there(void **)
     assert_true(keeper.bodies() == at_rest);
 }
 
+// Bodies that breathe: a lung with a vessel in it, and a liver beside it, both in the trunk, with a spine
+// that stays. The bodies move by `shift_um` along the patient, and the lung and its vessel grow, too.
+std::vector<Body> breathing_trunk(int shift_um)
+{
+    std::vector<Body> bodies = {box_body("trunk", "", -1, {-0.12, -0.3, -0.09}, {0.12, 0.3, 0.09}),
+                                box_body("spine", "", 0, {-0.015, -0.28, -0.085}, {0.015, 0.28, -0.06}),
+                                sphere_body("lung", "", 0, {0.05, 0.06, 0.01}, 0.045, 20),
+                                sphere_body("vessel", "", 2, {0.05, 0.06, 0.015}, 0.012, 8),
+                                sphere_body("liver", "", 0, {-0.04, 0.0, 0.0}, 0.05, 20)};
+    for (int body : {2, 3, 4})
+        for (Eigen::Vector3i &at : bodies[body].vertices_um) {
+            if (body != 4) at.z() += (at.z() - 10'000) * (shift_um / 1000) / 400;
+            at.y() += shift_um;
+        }
+    return bodies;
+}
+
+// The steps are small, as in a breath, and as large as several tiles of the rasteriser; bodies leave the
+// picture and come back, and start and end to move. Between them the C-arm turns, the table moves, and the
+// size changes to one that is not a multiple of a tile. Every pixel is compared with a drawing of the whole
+// scene.
+static void bodies_that_breathe_are_drawn_as_a_new_scene_in_every_view(void **)
+{
+    const std::vector<Material> materials = {Material::soft_tissue, Material::bone_cortical, Material::lung,
+                                             Material::blood, Material::muscle};
+    const std::vector<Body> at_rest = breathing_trunk(0);
+    const BodyMeshes meshes = meshes_of(at_rest, materials);
+    PathKeeper keeper(meshes, std::make_unique<RasterPaths>(meshes, 2), 2);
+    const WireFrame wire;
+    Lot lot(5);
+    const int shifts_um[] = {400, 800, 1200, -90'000, 90'000, 0, 400'000, -300'000, 5'000, 5'400};
+    for (int look = 0; look < 6; ++look) {
+        CArm carm = any_view(lot);
+        if (look == 3) carm.isocentre_m.y() += 0.35; // only the lung's upper part, or nothing that moves
+        const int size = look % 2 == 0 ? 256 : 336;
+        for (int step = 0; step < 10; ++step) {
+            std::vector<Body> moved = breathing_trunk(shifts_um[step]);
+            std::vector<MovedBody> list;
+            for (int body : {2, 3, 4})
+                if (step != 6 || body != 4) list.push_back({body, moved[body].vertices_um});
+            if (step == 6) moved[4] = at_rest[4]; // the liver stays in this frame
+            if (look == 4 && step == 5) carm.isocentre_m.x() += 0.02;
+            keeper.see(carm, size, {{}, wire, {}, list});
+            const PathPictures expected =
+                draw(meshes_of(moved, materials), keeper.view(), PathForm::ray_lengths);
+            for (int m = 0; m < material_count; ++m)
+                if (keeper.bodies()[m] != expected[m])
+                    fail_msg("view %d, step %d, material %d", look, step, m);
+        }
+    }
+}
+
 int main()
 {
     cmocka_set_message_output(CM_OUTPUT_TAP);
@@ -450,6 +502,7 @@ int main()
         cmocka_unit_test(part_of_a_picture_is_drawn_like_the_whole_and_by_any_number_of_threads),
         cmocka_unit_test(an_open_mesh_harms_only_the_pixels_behind_its_hole),
         cmocka_unit_test(a_moved_body_is_drawn_as_if_the_scene_had_it_there),
+        cmocka_unit_test(bodies_that_breathe_are_drawn_as_a_new_scene_in_every_view),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

@@ -36,6 +36,13 @@ class VolumePaths : public BodyPaths
     }
     bool draw(const View &view, std::span<const std::uint8_t> is_drawn, const PixelRect &rect, PathForm form,
               PathPictures &pictures, std::string &error) override;
+    // The CT does not move, so it is always among the bodies of `still`.
+    bool draw_on(const PathPictures &still, bool is_new, const View &view,
+                 std::span<const std::uint8_t> is_drawn, const PixelRect &rect, PathPictures &pictures,
+                 std::string &error) override
+    {
+        return meshes_.draw_on(still, is_new, view, is_drawn, rect, pictures, error);
+    }
 
   private:
     void mix();
