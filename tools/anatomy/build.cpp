@@ -100,13 +100,28 @@ void add_cartilages(std::vector<Body> &bodies, Solid &bones, const SkeletonShape
 
 } // namespace
 
-MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness)
+MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness, const std::vector<Curve> &small)
 {
     constexpr double CORONARY_VOXEL_MM = 0.45; // for the smallest radius, 0.6 mm
+    constexpr double SMALL_FILLET_MM = 0.8;    // triangles would cross in a sharp groove
     const Solid lumen = tree_solid(tree, 0.0);
     const double voxel_mm = tree.coronary_count > 0 ? std::min(fineness.lumen_voxel_mm, CORONARY_VOXEL_MM)
                                                     : fineness.lumen_voxel_mm;
-    return {grown(lumen.bounds, 2.0), local_distance(lumen), voxel_mm, 0.03};
+    MeshRequest request{grown(lumen.bounds, 2.0), local_distance(lumen), voxel_mm, 0.03};
+    if (small.empty()) return request;
+    Part arteries(SMALL_FILLET_MM);
+    for (const Curve &curve : small) arteries.add<Tube>(curve);
+    Solid solid;
+    solid.add(arteries);
+    request.bounds.include(grown(solid.bounds, 2.0));
+    request.distance_in = [large = local_distance(lumen), thin = local_distance(solid)](const Box &box,
+                                                                                        double reach_mm) {
+        return [near_large = large(box, reach_mm + SMALL_FILLET_MM),
+                near_thin = thin(box, reach_mm + SMALL_FILLET_MM)](const Vec3 &point) {
+            return smooth_min(near_large(point), near_thin(point), SMALL_FILLET_MM);
+        };
+    };
+    return request;
 }
 
 std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &fineness, const Person &person)

@@ -24,7 +24,9 @@ struct Fineness {
     double body_scale = 1.0; // multiplies the voxel of every body
 };
 
-MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness);
+/* The lumen of the tree's vessels, and of `small` arteries that belong to it, too. */
+MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness,
+                          const std::vector<Curve> &small = {});
 
 /* Returns the bodies of a person around the vessels in `tree`, whose coordinates must be in the patient's
  * frame. The bodies are not scaled by the person's size. If the tree has coronary arteries, the patient's

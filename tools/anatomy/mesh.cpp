@@ -146,6 +146,14 @@ Mesh surface_of(const crn::mesh::LevelSet &level, const MeshRequest &request)
     return {surface.vertices, divided_shorter(surface)};
 }
 
+void append_pieces(const Mesh &pieces, Mesh &mesh)
+{
+    const auto first = static_cast<uint32_t>(mesh.vertices_mm.size());
+    mesh.vertices_mm.insert(mesh.vertices_mm.end(), pieces.vertices_mm.begin(), pieces.vertices_mm.end());
+    for (const auto &t : pieces.triangles)
+        mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+}
+
 } // namespace
 
 LocalDistance local_distance(const Solid &solid)
@@ -179,6 +187,7 @@ Mesh mesh_of(const MeshRequest &request)
         if (request.error_mm > 0.0) crn::mesh::simplify(mesh.vertices_mm, mesh.triangles, request.error_mm);
         if (request.shortest_mm > 0.0)
             crn::mesh::drop_short_edges(mesh.vertices_mm, mesh.triangles, request.shortest_mm);
+        if (request.more) append_pieces(request.more(), mesh);
         return mesh;
     }
     throw std::runtime_error("the surface does not close: " + fault);

@@ -32,7 +32,8 @@ struct MeshRequest {
     double voxel_mm = 1.5;
     double error_mm = 0.15;
     double shortest_mm = 0;
-    bool may_be_empty = false; // an empty mesh is no failure
+    bool may_be_empty = false;            // an empty mesh is no failure
+    std::function<Mesh()> more = nullptr; // makes closed pieces that join the mesh as they are
 };
 
 /* Returns the mesh of the surface on which the distance is 0. Connected parts of the mesh that have fewer

@@ -1,4 +1,4 @@
-/* Declares the shapes of the shipped patient's skin, lungs with their vessels, heart, airway and bowel gas.
+/* Declares the shapes of the shipped patient's skin, lungs, heart, airway and bowel gas.
  * All shapes are assumed. The shapes of the organs are adjusted by eye to resemble a chest and abdomen under
  * X-ray; none of their dimensions is measured. */
 #pragma once
@@ -56,9 +56,5 @@ Solid bladder(const SoftShape &shape); // with its urine
 Solid bowel_gas(const SoftShape &shape, double wall_mm);
 Solid faeces_gas(const SoftShape &shape);            // bubbles in the faeces of the colon
 Solid bowel(const SoftShape &shape, double wall_mm); // stomach, colon, small bowel, that wall around the gas
-
-/* Returns the branching vessels inside one lung. The parameter `lung` is the distance function of the lung in
- * which the vessels lie, and `box` holds it. */
-Solid lung_vessels(double sign, const Distance &lung, const Box &box);
 
 } // namespace anatomy

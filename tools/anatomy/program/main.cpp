@@ -233,6 +233,11 @@ void add_making_options(CLI::App &command, Options &options)
         ->check(CLI::Range(0.3, 3.0))
         ->capture_default_str();
     command
+        .add_option("--lumen-from", options.lumen_from_mm,
+                    "Diameter in mm from which small arteries, else picture and flow only, are a part of the "
+                    "lumen: instruments can enter them")
+        ->check(CLI::Range(0.8, 5.0));
+    command
         .add_option("--body-scale", options.fineness.body_scale,
                     "Multiplies the grid spacing of every body (1.1-4 mm)")
         ->check(CLI::Range(0.5, 4.0))

@@ -72,18 +72,20 @@ std::string lesions_of(const Options &options, const VesselTree &tree, const std
 
 /* If a sphere of the lumen is narrower than the diagonal of a grid cell, it may contain no grid point. The
  * mesh of the lumen would have a gap at a sphere without grid points. */
+void check_width(const std::string &name, double diameter_mm, double voxel_mm)
+{
+    if (diameter_mm >= std::sqrt(3.0) * voxel_mm) return;
+    const double grid_mm = std::floor(100.0 * diameter_mm / std::sqrt(3.0)) / 100.0;
+    throw std::invalid_argument("'" + name + "' is " + crn::number_text(diameter_mm, 3) +
+                                " mm wide, too narrow for a grid of " + crn::number_text(voxel_mm, 3) +
+                                " mm: give --lumen-mm " + crn::decimals_text(grid_mm, 2));
+}
+
 void check_grid(const VesselTree &tree, double voxel_mm)
 {
-    const double narrowest_mm = std::sqrt(3.0) * voxel_mm;
     for (const Vessel &vessel : tree.vessels)
-        for (const Station &station : vessel.stations) {
-            if (station.diameter_mm >= narrowest_mm) continue;
-            const double grid_mm = std::floor(100.0 * station.diameter_mm / std::sqrt(3.0)) / 100.0;
-            throw std::invalid_argument(
-                "'" + vessel.name + "' is " + crn::number_text(station.diameter_mm, 3) +
-                " mm wide, too narrow for a grid of " + crn::number_text(voxel_mm, 3) +
-                " mm: give --lumen-mm " + crn::decimals_text(grid_mm, 2));
-        }
+        for (const Station &station : vessel.stations)
+            check_width(vessel.name, station.diameter_mm, voxel_mm);
 }
 
 void enlarge(std::vector<Vec3> &points, double factor)
@@ -120,18 +122,31 @@ void make_bodies(const Options &options, const std::vector<Body> &bodies, const 
     });
 }
 
-/* Returns the vessels that are picture and flow only, with those of the shipped patient, at the scale of the
- * output. */
-static std::vector<SmallVessel> small_vessels(const Options &options, VesselTree tree)
+/* Returns the vessels that are picture and flow only, with those of the shipped patient. */
+static std::vector<SmallVessel> small_vessels(VesselTree tree)
 {
     if (tree.is_in_patient) add_stated_branches(tree);
-    std::vector<SmallVessel> vessels = small_vessels_of(tree);
+    return small_vessels_of(tree);
+}
+
+static void enlarge(std::vector<SmallVessel> &vessels, double factor)
+{
     for (SmallVessel &vessel : vessels)
         for (CurvePoint &point : vessel.points) {
-            point.position_mm *= options.scale;
-            point.radius_mm *= options.scale;
+            point.position_mm *= factor;
+            point.radius_mm *= factor;
         }
-    return vessels;
+}
+
+/* Returns the request of the lumen, with the small arteries that the options count to it. */
+static MeshRequest lumen_of(const Options &options, const VesselTree &tree,
+                            const std::vector<SmallVessel> &small)
+{
+    if (options.lumen_from_mm <= 0.0) return lumen_request(tree, options.fineness);
+    const double from_mm = options.lumen_from_mm / options.scale;
+    const MeshRequest request = lumen_request(tree, options.fineness, wide_arteries(tree, small, from_mm));
+    check_width("an artery of --lumen-from", from_mm, request.voxel_mm);
+    return request;
 }
 
 void make_scene(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies,
@@ -139,7 +154,8 @@ void make_scene(const Options &options, const VesselTree &tree, const std::vecto
 {
     const VesselTree written = enlarged(tree, options.scale);
     const std::string lesions = lesions_of(options, written, bodies);
-    std::vector<Body> all = {{"lumen", "", "", lumen_request(tree, options.fineness)}};
+    std::vector<SmallVessel> small = small_vessels(tree);
+    std::vector<Body> all = {{"lumen", "", "", lumen_of(options, tree, small)}};
     check_grid(tree, all.front().request.voxel_mm);
     all.insert(all.end(), bodies.begin(), bodies.end());
     make_folder(options);
@@ -153,7 +169,7 @@ void make_scene(const Options &options, const VesselTree &tree, const std::vecto
     });
     for (const Vessel &vessel : written.vessels)
         write_centreline(options.folder / (file_stem(vessel.name) + ".mrk.json"), vessel);
-    const std::vector<SmallVessel> small = small_vessels(options, tree);
+    enlarge(small, options.scale);
     const char *small_file = small.empty() ? "" : "small_vessels.csv";
     if (!small.empty())
         crn::write_whole_file((options.folder / small_file).string(), small_vessels_text(small));

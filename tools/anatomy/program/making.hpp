@@ -18,7 +18,8 @@ struct Options {
     double scale = 1.0;                // multiplies all lengths of what is written
     std::string vessels;               // the user's file; "": the one that ships
     std::optional<std::uint64_t> seed; // draws other arteries (docs/vessels.md)
-    std::vector<std::string> lesions;  // as given on the command line
+    double lumen_from_mm = 0; // diameter from which small arteries are a part of the lumen; 0: none is
+    std::vector<std::string> lesions; // as given on the command line
 };
 
 /* Reads the vessels for the command `anatomy KIND`. Throws std::invalid_argument when the user's file lacks

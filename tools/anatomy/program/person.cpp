@@ -44,6 +44,7 @@ std::string making_text(const Options &options)
     std::string text;
     if (options.fineness.lumen_voxel_mm != usual.lumen_voxel_mm)
         text += " --lumen-mm " + crn::trimmed_text(options.fineness.lumen_voxel_mm, 4);
+    if (options.lumen_from_mm > 0.0) text += " --lumen-from " + crn::trimmed_text(options.lumen_from_mm, 4);
     if (options.fineness.body_scale != usual.body_scale)
         text += " --body-scale " + crn::trimmed_text(options.fineness.body_scale, 4);
     if (!options.bodies) text += " --no-bodies";

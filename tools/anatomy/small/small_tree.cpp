@@ -9,6 +9,7 @@
 #include "tools/anatomy/small/twigs.hpp"
 #include "tools/anatomy/small/veins.hpp"
 #include <algorithm>
+#include <map>
 #include <optional>
 
 namespace anatomy
@@ -203,6 +204,31 @@ std::vector<SmallVessel> small_vessels_of(const VesselTree &tree)
     if (heart) append(coronary_veins(*heart), vessels);
     append(renal_veins(), vessels);
     return vessels;
+}
+
+std::vector<Curve> wide_arteries(const VesselTree &tree, const std::vector<SmallVessel> &vessels,
+                                 double diameter_mm)
+{
+    constexpr double OFF_MM = 1.0; // a branch may begin a little beside its parent's course
+    std::map<std::string, Curve> courses;
+    for (const Vessel &vessel : tree.vessels) courses[file_stem(vessel.name)] = vessel_curve(vessel, 1.0);
+    std::vector<Curve> wide;
+    for (const SmallVessel &vessel : vessels) {
+        const auto parent = courses.find(file_stem(vessel.parent));
+        if (vessel.is_vein || parent == courses.end()) continue;
+        const auto end =
+            std::find_if(vessel.points.begin(), vessel.points.end(),
+                         [&](const CurvePoint &point) { return 2.0 * point.radius_mm < diameter_mm; });
+        const Curve curve(vessel.points.begin(), end);
+        if (curve.size() < 2) continue;
+        if (std::none_of(parent->second.begin(), parent->second.end(), [&](const CurvePoint &point) {
+                return (point.position_mm - curve.front().position_mm).norm() < point.radius_mm + OFF_MM;
+            }))
+            continue;
+        courses[file_stem(vessel.name)] = curve;
+        wide.push_back(curve);
+    }
+    return wide;
 }
 
 std::string small_vessels_text(const std::vector<SmallVessel> &vessels)

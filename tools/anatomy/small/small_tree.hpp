@@ -19,6 +19,11 @@ struct SmallVessel {
 /* Returns the small vessels in an order in which each one comes after its parent. */
 std::vector<SmallVessel> small_vessels_of(const VesselTree &tree);
 
+/* Returns the courses of the arteries that are at least `diameter_mm` wide, as far as they are. Those that
+ * begin behind a narrower place are left out. */
+std::vector<Curve> wide_arteries(const VesselTree &tree, const std::vector<SmallVessel> &vessels,
+                                 double diameter_mm);
+
 /* Returns the table that `bake` reads. */
 std::string small_vessels_text(const std::vector<SmallVessel> &vessels);
 

@@ -1,3 +1,4 @@
+#include "tools/anatomy/soft/lung_vessels.hpp"
 #include "tools/anatomy/soft_bodies.hpp"
 #include "tools/anatomy/wall_calcium.hpp"
 #include <cmath>
@@ -122,7 +123,11 @@ void add_lungs(std::vector<Body> &bodies, const SpineBend &bend, const Solid &bo
         const std::string name = s < 0 ? "lung_right" : "lung_left";
         const LocalDistance lung = lung_distance(s, bend, bones, aorta_wall, coronaries);
         const Box where = lung_bounds(s, bend);
-        const Solid tree = lung_vessels(s, lung(where, 20.0), where);
+        const auto space = std::make_shared<const LungSpace>(lung, where);
+        const LungSide which = s < 0 ? LungSide::right : LungSide::left;
+        const std::vector<LungTree> trees = {lung_arteries(which, *space, where),
+                                             lung_veins(which, *space, where)};
+        const Solid tree = wide_lung_vessels(trees);
         const LocalDistance vessels = [=](const Box &box, double reach_mm) -> Distance {
             constexpr double INSIDE_MM = 1.3;
             return [own = tree.near(box, reach_mm), around = lung(box, reach_mm + INSIDE_MM)](const Vec3 &p) {
@@ -131,8 +136,9 @@ void add_lungs(std::vector<Body> &bodies, const SpineBend &bend, const Solid &bo
             };
         };
         bodies.push_back({name, "lung", "flesh", {grown(where, 4.0), lung, 2.2 * scale, SOFT_ERROR_MM}});
-        bodies.push_back(
-            {name + "_vessels", "blood", name, {grown(tree.bounds, 2.0), vessels, 1.2 * scale, 0.2}});
+        MeshRequest request{grown(tree.bounds, 2.0), vessels, 1.2 * scale, 0.2};
+        request.more = [=] { return narrow_lung_vessels(trees, *space); };
+        bodies.push_back({name + "_vessels", "blood", name, request});
     }
 }
 

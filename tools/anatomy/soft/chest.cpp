@@ -1,4 +1,4 @@
-/* Makes the shapes of the lungs and their vessels, the heart, the mediastinum and the airway. */
+/* Makes the shapes of the lungs, the heart, the mediastinum and the airway. */
 #include "tools/anatomy/organs.hpp"
 #include <algorithm>
 #include <cmath>
@@ -186,105 +186,6 @@ Solid airway()
     part.rod({{-1, 326, 0}, {-2, 300, -8}, {-5, 250, -20}, {-6, 205, -29}}, {8.5, 8.5, 8.8, 9.0});
     part.rod({{-6, 206, -29}, {-20, 192, -28}, {-33, 180, -27}}, {7.5, 7.0, 6.0});
     part.rod({{-6, 205, -29}, {14, 190, -29}, {34, 179, -28}}, {7.0, 6.0, 5.5});
-    Solid solid;
-    solid.add(part);
-    return solid;
-}
-
-// --- vessels of the lungs ---
-
-namespace
-{
-
-struct Node {
-    Vec3 position;
-    int parent;
-    double path_mm;
-    int leaves = 0;
-};
-
-/* Returns an element of van der Corput's sequence, which gives evenly spread numbers from 0 to 1 without
- * randomness. */
-double spread(uint32_t index, uint32_t base)
-{
-    double value = 0.0, share = 1.0;
-    for (; index > 0; index /= base) {
-        share /= base;
-        value += share * (index % base);
-    }
-    return value;
-}
-
-/* Returns the points at which the vessels of one lung end. The end points are evenly spread over the lung,
- * and those nearest to the hilum come first. */
-std::vector<Vec3> vessel_ends(const Box &box, const Distance &lung, const Vec3 &hilum, size_t count)
-{
-    std::vector<Vec3> ends;
-    for (uint32_t i = 1; ends.size() < count && i < 20000; i++) {
-        const Vec3 share(spread(i, 2), spread(i, 3), spread(i, 5));
-        const Vec3 point = box.low + share.cwiseProduct(box.high - box.low);
-        if (lung(point) < -9.0) ends.push_back(point);
-    }
-    std::stable_sort(ends.begin(), ends.end(), [&](const Vec3 &a, const Vec3 &b) {
-        return (a - hilum).squaredNorm() < (b - hilum).squaredNorm();
-    });
-    return ends;
-}
-
-/* Joins each vessel's end point to a node of the tree of lung vessels. Each new lung vessel joins the node
- * with the smallest sum of two lengths: the new branch, and the weighted path from the node back to the
- * hilum. */
-std::vector<Node> grow_tree(const Vec3 &hilum, const std::vector<Vec3> &ends)
-{
-    constexpr double WAY_BACK = 0.55, STEP_MM = 14.0;
-    std::vector<Node> nodes = {{hilum, -1, 0.0}};
-    for (const Vec3 &end : ends) {
-        int parent = 0;
-        double least = 1e9;
-        for (size_t i = 0; i < nodes.size(); i++) {
-            const double cost = (end - nodes[i].position).norm() + WAY_BACK * nodes[i].path_mm;
-            if (cost < least) {
-                least = cost;
-                parent = static_cast<int>(i);
-            }
-        }
-        const Vec3 start = nodes[static_cast<size_t>(parent)].position;
-        const int steps = std::max(1, static_cast<int>((end - start).norm() / STEP_MM));
-        for (int k = 1; k <= steps; k++) {
-            const Vec3 position = start + (end - start) * k / steps;
-            const double path = nodes[static_cast<size_t>(parent)].path_mm + (end - start).norm() / steps;
-            nodes.push_back({position, parent, path});
-            parent = static_cast<int>(nodes.size()) - 1;
-        }
-    }
-    // For each node, the loop counts the vessel ends that lie downstream of the node. In the list of nodes a
-    // child always comes after its parent.
-    for (size_t i = nodes.size(); i-- > 1;) {
-        if (nodes[i].leaves == 0) nodes[i].leaves = 1;
-        nodes[static_cast<size_t>(nodes[i].parent)].leaves += nodes[i].leaves;
-    }
-    return nodes;
-}
-
-} // namespace
-
-Solid lung_vessels(double sign, const Distance &lung, const Box &box)
-{
-    // The radii of the lung vessels follow Murray's law: the cube of a vessel's radius is the sum of the
-    // cubes of its branches' radii.
-    constexpr double END_RADIUS_MM = 1.5;
-    constexpr size_t ENDS = 100;
-    const Vec3 hilum = side(sign, 40, sign > 0 ? 172 : 164, -18);
-    const auto nodes = grow_tree(hilum, vessel_ends(box, lung, hilum, ENDS));
-    auto radius = [&](const Node &node) {
-        return END_RADIUS_MM * std::cbrt(static_cast<double>(node.leaves));
-    };
-    Part part(1.0);
-    for (size_t i = 1; i < nodes.size(); i++) {
-        const Node &parent = nodes[static_cast<size_t>(nodes[i].parent)];
-        const double start = std::min(radius(parent), 1.35 * radius(nodes[i]));
-        part.rod({parent.position, nodes[i].position}, {start, radius(nodes[i])});
-    }
     Solid solid;
     solid.add(part);
     return solid;

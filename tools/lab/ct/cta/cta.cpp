@@ -227,7 +227,6 @@ void add_noise(Volume &volume, const CtaOptions &options)
     for (std::size_t at = 0; at < noise.count(); ++at) volume.hu[at] += scale * noise.hu[at];
 }
 
-// The structure of a voxel is that of the centreline whose tube reaches farthest over it.
 // The table of a label map: map.csv of map.nii.gz.
 std::filesystem::path table_of(std::filesystem::path map)
 {
@@ -235,6 +234,7 @@ std::filesystem::path table_of(std::filesystem::path map)
     return map.string() + ".csv";
 }
 
+// The structure of a voxel is that of the centreline whose tube reaches farthest over it.
 void write_labels(const Scene &scene, const Volume &lumen, const CtaOptions &options)
 {
     std::map<std::string, int> numbers;

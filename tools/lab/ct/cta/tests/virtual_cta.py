@@ -93,12 +93,13 @@ def compared_forces(true_scene, found_scene):
 
 
 def row_of(seed, folder, options=(), clicks_max=0):
-    """Returns the figures of one person. With clicks, arteries that were missed are clicked on, the longest first, each
-    in the middle of what is missed: as a person does who compares the scan with the arteries that were found."""
+    """Returns the figures of one person, whose true lumen has all arteries that are compared. With clicks, arteries
+    that were missed are clicked on, the longest first, each in the middle of what is missed: as a person does who
+    compares the scan with the arteries that were found."""
     person, found = os.path.join(folder, "person"), os.path.join(folder, "found")
     scan, truth = os.path.join(folder, "cta.nii.gz"), os.path.join(folder, "truth.csv")
     os.makedirs(folder, exist_ok=True)
-    run("anatomy", "person", "--seed", str(seed), "-o", person)
+    run("anatomy", "person", "--seed", str(seed), "--lumen-from", str(2 * LEAST_RADIUS_MM), "-o", person)
     made_s = run("ct", "cta", person, "-o", scan, "--truth", truth, "--seed", str(seed), *options)
     begin = time.monotonic()
     cpu_s = run("ct", "patient", scan, "-o", found)

@@ -486,7 +486,7 @@ static void a_bone_beside_the_mouth_of_a_branch_does_not_close_it(void **)
     Volume scan = trunk().scan;
     for (std::size_t at = 0; at < scan.count(); ++at) {
         double value = static_cast<double>(scan.hu[at]);
-        fill(value, tube(place_at(scan, at), {-11.5, 45, -14.2}, {-11.5, 25, -14.2}, 2.9), 1200);
+        fill(value, tube(place_at(scan, at), {-10, 50, -14.2}, {-10, 25, -14.2}, 2.9), 1200);
         scan.hu[at] = static_cast<float>(value);
     }
     const Volume level = wall_in(scan);
