@@ -20,15 +20,17 @@ void SparseBlur::run(int size, std::span<const std::int32_t> pixels, std::span<c
     pass({size, size}, kernel);
 }
 
+// Blurs along one direction. Most pixels follow each other in a row, so that a division is rare.
 void SparseBlur::pass(const Line &line, const BlurKernel &kernel)
 {
+    const int radius = kernel.radius;
+    Place place(line);
     reached_.clear();
     for (std::size_t i = 0; i < pixels_.size(); ++i) {
         const std::int32_t pixel = pixels_[i];
         picture_[pixel] = values_[i];
-        const int place = line.place(pixel);
-        const int first = std::max(-kernel.radius, -place),
-                  last = std::min(kernel.radius, line.size - 1 - place);
+        const int at = place.of(pixel);
+        const int first = std::max(-radius, -at), last = std::min(radius, line.size - 1 - at);
         for (int k = first; k <= last; ++k) {
             std::uint8_t &is_reached = is_reached_[pixel + k * line.step];
             if (is_reached) continue;
@@ -37,13 +39,18 @@ void SparseBlur::pass(const Line &line, const BlurKernel &kernel)
         }
     }
     values_.clear();
+    values_.reserve(reached_.size());
     for (const std::int32_t pixel : reached_) {
-        const int place = line.place(pixel);
-        float sum = kernel.tap[0] * picture_[pixel];
-        for (int k = 1; k <= kernel.radius; ++k) {
-            const int before = std::min(k, place), behind = std::min(k, line.size - 1 - place);
-            sum +=
-                kernel.tap[k] * (picture_[pixel - before * line.step] + picture_[pixel + behind * line.step]);
+        const int at = place.of(pixel);
+        const float *value = picture_.data() + pixel;
+        float sum = kernel.tap[0] * *value;
+        if (at >= radius && at + radius < line.size) {
+            for (int k = 1; k <= radius; ++k)
+                sum += kernel.tap[k] * (value[-k * line.step] + value[k * line.step]);
+        } else {
+            for (int k = 1; k <= radius; ++k)
+                sum += kernel.tap[k] * (value[-std::min(k, at) * line.step] +
+                                        value[std::min(k, line.size - 1 - at) * line.step]);
         }
         values_.push_back(sum);
         is_reached_[pixel] = 0;
