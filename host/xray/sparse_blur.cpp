@@ -25,22 +25,24 @@ void SparseBlur::pass(const Line &line, const BlurKernel &kernel)
 {
     const int radius = kernel.radius;
     Place place(line);
-    reached_.clear();
+    const std::size_t most = pixels_.size() * static_cast<std::size_t>(2 * radius + 1) + 1;
+    if (reached_.size() < most) reached_.resize(most);
+    std::int32_t *next = reached_.data();
     for (std::size_t i = 0; i < pixels_.size(); ++i) {
         const std::int32_t pixel = pixels_[i];
         picture_[pixel] = values_[i];
         const int at = place.of(pixel);
         const int first = std::max(-radius, -at), last = std::min(radius, line.size - 1 - at);
-        for (int k = first; k <= last; ++k) {
-            std::uint8_t &is_reached = is_reached_[pixel + k * line.step];
-            if (is_reached) continue;
-            is_reached = 1;
-            reached_.push_back(pixel + k * line.step);
+        for (int k = first; k <= last; ++k) { // without a branch, which the processor could not predict
+            *next = pixel + k * line.step;
+            next += 1 - is_reached_[*next];
+            is_reached_[pixel + k * line.step] = 1;
         }
     }
-    values_.clear();
-    values_.reserve(reached_.size());
-    for (const std::int32_t pixel : reached_) {
+    const std::span<const std::int32_t> reached(reached_.data(), next);
+    values_.resize(reached.size());
+    for (std::size_t i = 0; i < reached.size(); ++i) {
+        const std::int32_t pixel = reached[i];
         const int at = place.of(pixel);
         const float *value = picture_.data() + pixel;
         float sum = kernel.tap[0] * *value;
@@ -52,11 +54,11 @@ void SparseBlur::pass(const Line &line, const BlurKernel &kernel)
                 sum += kernel.tap[k] * (value[-std::min(k, at) * line.step] +
                                         value[std::min(k, line.size - 1 - at) * line.step]);
         }
-        values_.push_back(sum);
+        values_[i] = sum;
         is_reached_[pixel] = 0;
     }
     for (const std::int32_t pixel : pixels_) picture_[pixel] = 0.0f;
-    std::swap(pixels_, reached_);
+    pixels_.assign(reached.begin(), reached.end());
 }
 
 } // namespace crn

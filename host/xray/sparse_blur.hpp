@@ -52,7 +52,7 @@ class SparseBlur
     std::vector<float> values_;
     std::vector<float> picture_;           // size*size, zero between passes
     std::vector<std::uint8_t> is_reached_; // likewise
-    std::vector<std::int32_t> reached_;    // pixels of the current pass
+    std::vector<std::int32_t> reached_;    // pixels of the current pass; longer than their count
 };
 
 } // namespace crn

@@ -213,7 +213,8 @@ void TubePainter::paint_wide(const Line &line, int y, int x0, int x1)
         const std::int32_t length = lengths[x - x0];
         if (length == 0) continue;
         if (labels_ != nullptr) mark(y * size_ + x, tool_rays * length);
-        const std::size_t at = entry(places[x]) * materials; // may move wide_q10mm
+        if (places[x] < 0) entry(places[x]); // may move wide_q10mm
+        const std::size_t at = static_cast<std::size_t>(places[x]) * materials;
         std::int32_t *of_pixel = paths_.wide_q10mm.data() + at;
         const auto mixed = static_cast<std::int32_t>(static_cast<float>(length) * line.contrast);
         of_pixel[line.material] += length;
