@@ -57,6 +57,7 @@ class Axis
     void set_hand(Hand hand) { hand_ = hand; }
     void move_hand(double speed) { hand_speed_ = speed; } // from now on
     void set_motor_fault(MotorFault fault) { motor_fault_ = fault; }
+    void set_motor_limit(double limit) { settings_.motor_limit = limit; } // of the driver's current
 
     double roller() const { return roller_; } // the encoder turns with it
     double tool() const { return tool_; }

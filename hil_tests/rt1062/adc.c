@@ -56,7 +56,10 @@ static uint32_t sample(rt_chip *chip, uint32_t number, uint32_t channel)
                 channel);
         return 0;
     }
-    double counts = chip->pins.volts[pin] / reference_V * RESULT_MAX;
+    const rt_fault *fault = &chip->fault;
+    bool is_wrong = rt_fault_is(fault, RT_FAULT_VOLTS) && fault->address == (uint32_t)pin;
+    double volts = is_wrong && fault->set == 0 ? 0 : chip->pins.volts[pin];
+    double counts = (volts + (is_wrong ? fault->volts : 0)) / reference_V * RESULT_MAX;
     if (!chip->adc[number].is_calibrated) counts += 40; /* the data sheet allows such an offset before */
     return counts < 0 ? 0 : counts > RESULT_MAX ? RESULT_MAX : (uint32_t)lround(counts);
 }
@@ -126,7 +129,8 @@ static void begin(rt_chip *chip, rt_adc *adc, uint32_t value)
         return;
     }
     uint32_t samples = (adc->gc & MASK(ADC_GC_AVGE)) != 0 ? 4u << RT_FIELD(adc->cfg, ADC_CFG_AVGS) : 1;
-    uint64_t time = instants(chip, adc, samples * (double)SAMPLE_CLOCKS);
+    uint64_t time =
+        rt_mutant_time(chip, RT_TIME_ADC_CONVERSION, instants(chip, adc, samples * (double)SAMPLE_CLOCKS));
     adc->is_converting = true;
     adc->converts_until = time == RT_NEVER ? RT_NEVER : chip->now + time;
 }
@@ -146,7 +150,8 @@ void rt_adc_write(rt_chip *chip, uint32_t number, uint32_t offset, uint32_t valu
         break;
     case ADC_GC:
         if ((value & MASK(ADC_GC_CAL)) != 0) {
-            uint64_t time = instants(chip, adc, CALIBRATION_CLOCKS);
+            uint64_t time =
+                rt_mutant_time(chip, RT_TIME_ADC_CALIBRATION, instants(chip, adc, CALIBRATION_CLOCKS));
             adc->is_calibrated = false;
             adc->calibrates_until = time == RT_NEVER ? RT_NEVER : chip->now + time;
         }

@@ -36,8 +36,8 @@ static void pass(rt_cache *cache, rt_chip *chip, uint64_t instants)
 
 static uint64_t line_instants(rt_chip *chip, uint32_t address)
 {
-    return address < RT_PSRAM_BEGIN ? RT_CACHE_NEAR_CYCLES * chip->clocks.instants_per_cycle
-                                    : rt_flexspi_line_instants(chip);
+    if (address >= RT_PSRAM_BEGIN) return rt_flexspi_line_instants(chip);
+    return rt_mutant_time(chip, RT_TIME_NEAR_LINE, RT_CACHE_NEAR_CYCLES * chip->clocks.instants_per_cycle);
 }
 
 void rt_cache_access(rt_cache *cache, rt_chip *chip, uint32_t address, bool is_write)

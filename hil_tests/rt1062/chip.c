@@ -111,11 +111,37 @@ static bool can_access(rt_chip *chip, const struct place *place, uint32_t addres
     return true;
 }
 
-uint32_t rt_chip_read(rt_chip *chip, uint32_t address, unsigned bytes)
+static void count_access(rt_census *census, uint32_t address, unsigned bytes, bool is_write, uint32_t value)
+{
+    uint32_t i = 0;
+    while (i < census->count && census->registers[i].address != address) i++;
+    if (i == RT_CENSUS_MAX) return;
+    if (i == census->count) census->count++;
+    census->registers[i].address = address;
+    census->registers[i].bytes = bytes;
+    if (is_write) {
+        census->registers[i].writes++;
+        census->registers[i].written_ones |= value;
+        census->registers[i].written_zeros |= ~value;
+        return;
+    }
+    census->registers[i].reads++;
+    census->registers[i].ones |= value;
+    census->registers[i].zeros |= ~value;
+}
+
+static uint32_t read_true(rt_chip *chip, uint32_t address, unsigned bytes)
 {
     if (address - PRIVATE_BEGIN < PRIVATE_BYTES) return rt_core_read(chip, address);
     const struct place *place = place_of(address);
     return can_access(chip, place, address, bytes) ? place->read(chip, address - place->base) : 0;
+}
+
+uint32_t rt_chip_read(rt_chip *chip, uint32_t address, unsigned bytes)
+{
+    uint32_t value = read_true(chip, address, bytes);
+    if (chip->census != NULL) count_access(chip->census, address, bytes, false, value);
+    return rt_fault_read(chip, address, rt_mutant_read(chip, address, value));
 }
 
 void rt_chip_tamper(rt_chip *chip, uint32_t address, uint32_t clear, uint32_t set)
@@ -129,6 +155,8 @@ void rt_chip_write(rt_chip *chip, uint32_t address, unsigned bytes, uint32_t val
 {
     if (address == chip->tamper.address && address != 0)
         value = (value & ~chip->tamper.clear) | chip->tamper.set;
+    if (chip->census != NULL) count_access(chip->census, address, bytes, true, value);
+    if (!rt_fault_write(chip, address, &value) || !rt_mutant_write(chip, address, &value)) return;
     if (address - PRIVATE_BEGIN < PRIVATE_BYTES) {
         rt_core_write(chip, address, value);
         return;
@@ -141,13 +169,17 @@ void rt_chip_write(rt_chip *chip, uint32_t address, unsigned bytes, uint32_t val
 uint64_t rt_chip_run_due(rt_chip *chip)
 {
     rt_clocks_update(chip);
-    uint64_t next = rt_pit_run_due(chip), dogs = rt_watchdogs_run_due(chip), usb = rt_usb_run_due(chip);
+    uint64_t fault = rt_fault_run_due(chip), next = rt_pit_run_due(chip), dogs = rt_watchdogs_run_due(chip),
+             usb = rt_usb_run_due(chip);
     next = next < dogs ? next : dogs;
+    next = next < fault ? next : fault;
     return next < usb ? next : usb;
 }
 
 int rt_chip_interrupt(rt_chip *chip)
 {
+    if (rt_fault_is(&chip->fault, RT_FAULT_INTERRUPT)) return (int)chip->fault.address;
+    if (rt_fault_is(&chip->fault, RT_FAULT_NO_INTERRUPT)) return -1;
     bool is_enabled = (chip->core.enabled[INTERRUPT_PIT / 32] >> INTERRUPT_PIT % 32 & 1u) != 0;
     return is_enabled && rt_pit_interrupts(chip) ? INTERRUPT_PIT : -1;
 }
@@ -269,6 +301,7 @@ void rt_chip_reset(rt_chip *chip, rt_reset_cause cause)
     rt_uart_reset(chip);
     rt_usb_reset(chip);
     rt_core_reset(chip);
+    rt_mutant_reset(chip);
     if (cause == RT_RESET_POWER) chip->psram.has_four_lines = chip->psram.is_reset_enabled = false;
 }
 
@@ -283,6 +316,7 @@ rt_chip *rt_chip_create(void)
 {
     rt_chip *chip = calloc(1, sizeof *chip);
     if (chip == NULL) return NULL;
+    rt_mutant_take(chip);
     chip->flexram = memory_of(RT_FLEXRAM_BYTES);
     chip->ocram = memory_of(RT_OCRAM_BYTES);
     chip->flash = memory_of(RT_FLASH_BYTES);
@@ -299,6 +333,7 @@ rt_chip *rt_chip_create(void)
 void rt_chip_destroy(rt_chip *chip)
 {
     if (chip == NULL) return;
+    rt_mutant_write_census(chip);
     free(chip->flexram);
     free(chip->ocram);
     free(chip->flash);

@@ -13,6 +13,8 @@
 #ifndef CRN_RT1062_CHIP_H
 #define CRN_RT1062_CHIP_H
 
+#include "hil_tests/rt1062/fault.h"
+#include "hil_tests/rt1062/mutant.h"
 #include "hil_tests/rt1062/peripherals.h"
 #include <stdio.h>
 
@@ -44,6 +46,16 @@ typedef struct rt_finding {
     uint64_t count;
     char text[RT_TEXT_BYTES];
 } rt_finding;
+
+/* The registers that the processor has accessed, in the order of the first access. */
+enum { RT_CENSUS_MAX = 1024 };
+typedef struct rt_census {
+    uint32_t count;
+    struct {
+        uint32_t address, bytes, reads, writes;
+        uint32_t ones, zeros, written_ones, written_zeros; /* bits that were read as 1, as 0, ... */
+    } registers[RT_CENSUS_MAX];
+} rt_census;
 
 typedef enum rt_reset_cause { RT_RESET_NONE, RT_RESET_POWER, RT_RESET_WDOG1, RT_RESET_RTWDOG } rt_reset_cause;
 
@@ -83,6 +95,9 @@ typedef struct rt_chip {
     struct {
         uint32_t address, clear, set;
     } tamper;
+    rt_fault fault;
+    rt_mutant mutant;
+    rt_census *census; /* NULL: nobody counts */
 } rt_chip;
 
 /* Allocates a chip whose power has just been switched on; NULL without memory. */

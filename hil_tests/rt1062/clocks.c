@@ -32,7 +32,11 @@ static uint32_t analog(const rt_chip *chip, uint32_t offset)
 
 static bool is_locked(const rt_chip *chip, const rt_pll *pll, uint32_t periods)
 {
-    return pll->runs && chip->now - pll->since >= (uint64_t)(periods / crystal_Hz * RT_INSTANTS_PER_s);
+    rt_duration which = periods == ARM_LOCK_periods      ? RT_TIME_ARM_LOCK
+                        : periods == SYSTEM_LOCK_periods ? RT_TIME_SYSTEM_LOCK
+                                                         : RT_TIME_USB_LOCK;
+    uint64_t time = (uint64_t)(periods / crystal_Hz * RT_INSTANTS_PER_s);
+    return pll->runs && chip->now - pll->since >= rt_mutant_time(chip, which, time);
 }
 
 /* --- frequencies --- */
@@ -125,7 +129,8 @@ bool rt_gate_is_open(rt_chip *chip, uint32_t number, uint32_t gate)
 /* --- handshakes --- */
 static bool is_voltage_good(const rt_chip *chip)
 {
-    return chip->now - chip->clocks.dcdc_since >= DCDC_SETTLE_us * RT_INSTANTS_PER_us;
+    uint64_t time = rt_mutant_time(chip, RT_TIME_VOLTAGE, DCDC_SETTLE_us * RT_INSTANTS_PER_us);
+    return chip->now - chip->clocks.dcdc_since >= time;
 }
 
 /* The processor's clock takes a new value only if its source runs and the voltage allows it; otherwise the
@@ -178,6 +183,25 @@ void rt_clocks_update(rt_chip *chip)
     if (changes && set_core(chip) != NULL) *clocks = before; /* the handshake goes on */
 }
 
+/* A clock above the processor's limit is treated as one that stands: what a processor then does is unknown.
+ */
+void rt_clocks_upset(rt_chip *chip)
+{
+    rt_clocks *clocks = &chip->clocks;
+    uint32_t arm = analog(chip, CCM_ANALOG_PLL_ARM), divider = RT_FIELD(arm, CCM_ANALOG_PLL_ARM_DIV_SELECT);
+    clocks->arm_divider = RT_FIELD(ccm(chip, CCM_CACRR), CCM_CACRR_ARM_PODF) + 1;
+    clocks->ahb_divider = RT_FIELD(ccm(chip, CCM_CBCDR), CCM_CBCDR_AHB_PODF) + 1;
+    clocks->periph_from_clk2 = RT_FIELD(ccm(chip, CCM_CBCDR), CCM_CBCDR_PERIPH_CLK_SEL) != 0;
+    clocks->arm.runs = RT_FIELD(arm, CCM_ANALOG_PLL_ARM_POWERDOWN) == 0 && divider >= 54 && divider <= 108;
+    clocks->usb.runs = RT_FIELD(analog(chip, CCM_ANALOG_PLL_USB1), CCM_ANALOG_PLL_USB1_POWER) != 0;
+    clocks->system.runs = RT_FIELD(analog(chip, CCM_ANALOG_PLL_SYS), CCM_ANALOG_PLL_SYS_POWERDOWN) == 0;
+    double wanted = core_of(chip);
+    clocks->is_dead = wanted <= 0 || wanted > core_max_Hz;
+    if (clocks->is_dead) return;
+    clocks->core_Hz = wanted;
+    clocks->instants_per_cycle = (uint64_t)llround((double)RT_INSTANTS_PER_s / wanted);
+}
+
 static uint32_t read_handshakes(rt_chip *chip)
 {
     rt_clocks_update(chip);
@@ -218,7 +242,8 @@ void rt_ccm_write(rt_chip *chip, uint32_t offset, uint32_t value)
     }
     rt_clocks *clocks = &chip->clocks;
     uint32_t change = clocks->ccm[offset / 4] ^ value;
-    uint64_t end = chip->now + HANDSHAKE_ns * RT_INSTANTS_PER_us / 1000;
+    uint64_t end =
+        chip->now + rt_mutant_time(chip, RT_TIME_HANDSHAKE, HANDSHAKE_ns * RT_INSTANTS_PER_us / 1000);
     clocks->ccm[offset / 4] = value;
     if (offset == CCM_CACRR && (change & MASK(CCM_CACRR_ARM_PODF)) != 0) clocks->arm_busy_until = end;
     if (offset == CCM_CBCDR && (change & MASK(CCM_CBCDR_AHB_PODF)) != 0) clocks->ahb_busy_until = end;

@@ -113,6 +113,14 @@ static void write_region(rt_chip *chip, uint32_t offset, uint32_t value)
     chip->is_map_changed = true;
 }
 
+/* Way in bits 30 and 31, set from bit 5 on. */
+static void invalidate_line(rt_core *core, uint32_t value)
+{
+    uint32_t line = (value >> 30) * DATA_SETS + (value >> 5) % DATA_SETS, bit = 1u << line % 32;
+    if ((core->invalidated[line / 32] & bit) == 0) core->lines_invalidated++;
+    core->invalidated[line / 32] |= bit;
+}
+
 static void write_scb(rt_chip *chip, uint32_t offset, uint32_t value)
 {
     rt_core *core = &chip->core;
@@ -148,7 +156,7 @@ static void write_scb(rt_chip *chip, uint32_t offset, uint32_t value)
         core->are_instructions_invalidated = true;
         break;
     case DCISW:
-        core->lines_invalidated++;
+        invalidate_line(core, value);
         break;
     default:
         rt_unmodelled(chip, "SCB", offset, true);

@@ -45,7 +45,8 @@ static uint64_t filter_instants(rt_chip *chip, uint16_t filter)
     uint32_t period = RT_FIELD(filter, ENC_FILT_FILT_PER), samples = RT_FIELD(filter, ENC_FILT_FILT_CNT);
     if (period == 0) return 0;
     double clocks = (samples + FILTER_MORE_SAMPLES) * (double)period;
-    return (uint64_t)(clocks / rt_clock_ipg_Hz(chip) * RT_INSTANTS_PER_s);
+    return rt_mutant_time(chip, RT_TIME_FILTER,
+                          (uint64_t)(clocks / rt_clock_ipg_Hz(chip) * RT_INSTANTS_PER_s));
 }
 
 /* The instant at which the filter lets the waiting level pass; RT_NEVER if none waits. */
@@ -60,10 +61,15 @@ static int32_t step_of(bool a, bool b, bool is_a)
     return (a != b) == is_a ? 1 : -1;
 }
 
-static void settle(rt_quadrature *inputs, uint64_t now, uint64_t delay)
+/* The times of the two phases' filters. */
+typedef struct delays {
+    uint64_t a, b;
+} delays;
+
+static void settle(rt_quadrature *inputs, uint64_t now, delays delay)
 {
     for (;;) {
-        uint64_t a = passes_at(&inputs->a, delay), b = passes_at(&inputs->b, delay);
+        uint64_t a = passes_at(&inputs->a, delay.a), b = passes_at(&inputs->b, delay.b);
         uint64_t first = a < b ? a : b;
         if (first > now) return;
         if (a == b) {
@@ -78,7 +84,7 @@ static void settle(rt_quadrature *inputs, uint64_t now, uint64_t delay)
     }
 }
 
-static void edge(rt_quadrature *inputs, bool is_b, bool level, uint64_t instant, uint64_t delay)
+static void edge(rt_quadrature *inputs, bool is_b, bool level, uint64_t instant, delays delay)
 {
     rt_filtered *input = is_b ? &inputs->b : &inputs->a;
     settle(inputs, instant, delay);
@@ -88,12 +94,24 @@ static void edge(rt_quadrature *inputs, bool is_b, bool level, uint64_t instant,
 }
 
 /* Takes the steps out of the filter. */
-static int32_t take(rt_chip *chip, rt_quadrature *inputs, uint16_t filter)
+static int32_t take(rt_chip *chip, rt_quadrature *inputs, delays delay)
 {
-    settle(inputs, chip->now, filter_instants(chip, filter));
+    settle(inputs, chip->now, delay);
     int32_t steps = inputs->steps;
     inputs->steps = 0;
     return steps;
+}
+
+static delays of_decoder(rt_chip *chip, const rt_decoder *decoder)
+{
+    uint64_t both = filter_instants(chip, decoder->filter);
+    return (delays){both, both};
+}
+
+/* Each channel of a timer filters its own input. */
+static delays of_counter(rt_chip *chip, const rt_counter *counter)
+{
+    return (delays){filter_instants(chip, counter->filter), filter_instants(chip, counter->filter_b)};
 }
 
 static bool is_connected(rt_chip *chip, uint32_t decoder, bool is_b)
@@ -108,17 +126,17 @@ void rt_encoders_edge(rt_chip *chip, uint32_t encoder, bool is_b, bool level, ui
     if (encoder < RT_DECODERS) {
         rt_decoder *decoder = &chip->decoders[encoder];
         if (is_connected(chip, encoder, is_b))
-            edge(&decoder->inputs, is_b, level, instant, filter_instants(chip, decoder->filter));
+            edge(&decoder->inputs, is_b, level, instant, of_decoder(chip, decoder));
         return;
     }
     rt_counter *counter = &chip->counters[encoder - RT_DECODERS];
-    edge(&counter->inputs, is_b, level, instant, filter_instants(chip, counter->filter));
+    edge(&counter->inputs, is_b, level, instant, of_counter(chip, counter));
 }
 
 /* --- decoders --- */
 static void update_decoder(rt_chip *chip, rt_decoder *decoder)
 {
-    decoder->position += (uint32_t)take(chip, &decoder->inputs, decoder->filter);
+    decoder->position += (uint32_t)take(chip, &decoder->inputs, of_decoder(chip, decoder));
     if (decoder->inputs.illegal != 0) decoder->control2 |= (uint16_t)MASK(ENC_CTRL2_SABIRQ);
     decoder->inputs.illegal = 0;
 }
@@ -198,7 +216,7 @@ static bool counts(const rt_counter *counter, uint32_t channel)
 
 static void update_counter(rt_chip *chip, rt_counter *counter, uint32_t channel)
 {
-    int32_t steps = take(chip, &counter->inputs, counter->filter);
+    int32_t steps = take(chip, &counter->inputs, of_counter(chip, counter));
     if (counts(counter, channel)) counter->count = (uint16_t)(counter->count + (uint32_t)steps);
 }
 
@@ -216,7 +234,10 @@ uint32_t rt_timer_read(rt_chip *chip, uint32_t module, uint32_t offset)
     uint32_t channel = offset / TMR_STRIDE_CTRL;
     bool is_second;
     rt_counter *counter = counter_of(chip, module, channel, &is_second);
-    if (counter == NULL || is_second || offset % TMR_STRIDE_CTRL != TMR_CNTR0) {
+    uint32_t which = offset % TMR_STRIDE_CTRL;
+    if (counter != NULL && which == TMR_FILT0) return is_second ? counter->filter_b : counter->filter;
+    if (counter != NULL && !is_second && which == TMR_CTRL0) return counter->control;
+    if (counter == NULL || is_second || which != TMR_CNTR0) {
         rt_unmodelled(chip, "TMR", offset, false);
         return 0;
     }

@@ -57,6 +57,7 @@ static void on_block(uc_engine *uc, uint64_t address, uint32_t bytes, void *cont
         return;
     }
     chip->pc = (uint32_t)address;
+    if (engine->touched != NULL) rt_engine_note_code(engine, chip->pc, bytes);
     uint32_t count = instructions_of(engine, chip->pc, bytes);
     uint32_t executed = count == ENDLESS_LOOP ? 1 : count;
     engine->instructions += executed;
@@ -123,6 +124,7 @@ static bool boot(rt_engine *engine)
     engine->returns = engine->is_held = false;
     rt_engine_set_register(engine, UC_ARM_REG_XPSR, 1u << 24);
     rt_engine_set_register(engine, UC_ARM_REG_PRIMASK, 0);
+    rt_engine_set_register(engine, UC_ARM_REG_FAULTMASK, 0);
     rt_engine_set_register(engine, UC_ARM_REG_SP, entry.stack);
     rt_engine_set_register(engine, UC_ARM_REG_PC, entry.start);
     return true;
@@ -197,7 +199,13 @@ rt_stop rt_engine_run(rt_engine *engine, uint64_t instant)
             engine->is_running = boot(engine);
             return engine->is_running ? RT_STOP_RESET : RT_STOP_LOCKUP;
         }
+        if (chip->fault.waits_for_engine) rt_engine_strike(engine);
         if (chip->is_map_changed) rt_engine_map(engine);
+        if (rt_fault_core_stands(chip)) {
+            uint64_t end = next < instant ? next : instant;
+            chip->now = end > chip->now ? end : chip->now + 1;
+            continue;
+        }
         if (!rt_engine_take_exception(engine)) engine->is_running = false;
         engine->stop_at = next < instant ? next : instant;
         if (engine->is_running && !run_slice(engine)) engine->is_running = false;

@@ -40,6 +40,13 @@ const char *rt_engine_trouble(const rt_engine *engine);
  */
 uint32_t rt_engine_symbol(const rt_engine *engine, const char *name);
 const char *rt_engine_place(void *engine, uint32_t pc);
+/* From now on until it is called with NULL: sets a bit for every word of the tightly coupled memories that
+ * the processor executes (`code`, from 0 on) or reads (`data`, from RT_DTCM_BEGIN on). */
+enum { RT_TOUCHED_BYTES = RT_FLEXRAM_BYTES / 32 };
+typedef struct rt_touched {
+    uint8_t code[RT_TOUCHED_BYTES], data[RT_TOUCHED_BYTES];
+} rt_touched;
+bool rt_engine_watch(rt_engine *engine, rt_touched *touched);
 /* Reads a word of the processor's memory, for tests. */
 uint32_t rt_engine_word(rt_engine *engine, uint32_t address);
 /* Changes a half-word of the flash, for tests that patch the image. */

@@ -34,6 +34,15 @@ void rt_engine_set_fault(rt_engine *engine, int exception, uint32_t status)
     engine->stop_at = 0;
 }
 
+/* BFHFNMIGN: a handler with FAULTMASK, and the hard fault's, may go on after a bus error of their data. */
+bool rt_engine_ignores_bus_errors(rt_engine *engine)
+{
+    enum { IGNORE = 1 << 8 };
+    uint32_t running = rt_engine_register(engine, UC_ARM_REG_XPSR) & XPSR_EXCEPTION;
+    bool is_above = running == RT_HARD_FAULT || (rt_engine_register(engine, UC_ARM_REG_FAULTMASK) & 1u) != 0;
+    return is_above && (engine->chip->core.ccr & IGNORE) != 0;
+}
+
 static bool enters(rt_engine *engine, int exception)
 {
     static const int saved[FRAME_WORDS] = {UC_ARM_REG_R0,  UC_ARM_REG_R1, UC_ARM_REG_R2, UC_ARM_REG_R3,
@@ -104,7 +113,9 @@ bool rt_engine_take_exception(rt_engine *engine)
     bool in_handler = (rt_engine_register(engine, UC_ARM_REG_XPSR) & XPSR_EXCEPTION) != 0;
     bool is_masked = (rt_engine_register(engine, UC_ARM_REG_PRIMASK) & 1u) != 0;
     engine->is_held = is_masked && !in_handler; /* until the mask is taken away */
-    return is_masked || in_handler || enters(engine, RT_INTERRUPT_0 + interrupt);
+    if (is_masked || in_handler) return true;
+    if (rt_fault_is(&engine->chip->fault, RT_FAULT_INTERRUPT)) engine->chip->fault.has_ended = true;
+    return enters(engine, RT_INTERRUPT_0 + interrupt);
 }
 
 /* --- hooks --- */

@@ -53,6 +53,8 @@ struct rt_engine {
     uint32_t fault_status;
     bool returns, is_running, is_held;
     char trouble[RT_TEXT_BYTES], place[96];
+    rt_touched *touched; /* NULL: nobody watches */
+    uc_hook watch;
 };
 
 /* engine_memory.c */
@@ -61,11 +63,16 @@ void rt_engine_map(rt_engine *engine);
 bool rt_engine_map_registers(rt_engine *engine);
 bool rt_engine_count_lines(rt_engine *engine);
 
+/* engine_fault.c */
+void rt_engine_strike(rt_engine *engine);
+void rt_engine_note_code(rt_engine *engine, uint32_t address, uint32_t bytes);
+
 /* engine_exceptions.c */
 void rt_engine_set_fault(rt_engine *engine, int exception, uint32_t status);
 /* Takes the exception or interrupt that is due; false: the processor has locked up. */
 bool rt_engine_take_exception(rt_engine *engine);
 void rt_engine_return(rt_engine *engine);
+bool rt_engine_ignores_bus_errors(rt_engine *engine);
 bool rt_engine_add_hooks(rt_engine *engine);
 uint32_t rt_engine_register(rt_engine *engine, int number);
 void rt_engine_set_register(rt_engine *engine, int number, uint32_t value);

@@ -61,12 +61,20 @@ static void write_emulated(uc_engine *uc, uint64_t offset, unsigned bytes, uint6
 /* --- registers --- */
 static uint64_t read_register(rt_engine *engine, uint32_t address, unsigned bytes)
 {
+    if (rt_fault_is_bus_error(engine->chip, address)) {
+        if (!rt_engine_ignores_bus_errors(engine)) rt_engine_set_fault(engine, RT_BUS_FAULT, RT_CFSR_BUS);
+        return 0;
+    }
     return rt_chip_read(engine->chip, address, bytes);
 }
 
 /* A write may start a timer, so what is due next is found anew. */
 static void write_register(rt_engine *engine, uint32_t address, unsigned bytes, uint32_t value)
 {
+    if (rt_fault_is_bus_error(engine->chip, address)) {
+        if (!rt_engine_ignores_bus_errors(engine)) rt_engine_set_fault(engine, RT_BUS_FAULT, RT_CFSR_BUS);
+        return;
+    }
     rt_chip_write(engine->chip, address, bytes, value);
     uint64_t next = rt_chip_run_due(engine->chip);
     if (engine->stop_at != 0) engine->stop_at = next < engine->run_end ? next : engine->run_end;

@@ -156,7 +156,8 @@ uint64_t rt_flexspi_line_instants(rt_chip *chip)
     uint8_t line[LINE_BYTES];
     uint64_t time;
     uint32_t sequence = RT_FIELD(chip->flexspi.sequences, FLEXSPI_FLSHCR2_0_ARDSEQID);
-    return run(chip, sequence, 0, sizeof line, line, &time) ? time : RT_NEVER;
+    return run(chip, sequence, 0, sizeof line, line, &time) ? rt_mutant_time(chip, RT_TIME_FLEXSPI_LINE, time)
+                                                            : RT_NEVER;
 }
 
 /* --- commands by registers --- */
@@ -174,6 +175,7 @@ static void start_command(rt_chip *chip)
     uint8_t data[LINE_BYTES] = {0};
     uint64_t time = RT_NEVER;
     if (is_on(spi)) run(chip, RT_FIELD(spi->ipcr1, FLEXSPI_IPCR1_ISEQID), spi->ipcr0, 0, data, &time);
+    time = rt_mutant_time(chip, RT_TIME_FLEXSPI_COMMAND, time);
     spi->command_until = time == RT_NEVER ? RT_NEVER : chip->now + time;
 }
 
@@ -273,7 +275,9 @@ void rt_flexspi_write(rt_chip *chip, uint32_t offset, uint32_t value)
     }
     switch (offset) {
     case FLEXSPI_MCR0:
-        if (value & MASK(FLEXSPI_MCR0_SWRESET)) spi->reset_until = chip->now + RESET_us * RT_INSTANTS_PER_us;
+        if (value & MASK(FLEXSPI_MCR0_SWRESET))
+            spi->reset_until =
+                chip->now + rt_mutant_time(chip, RT_TIME_FLEXSPI_RESET, RESET_us * RT_INSTANTS_PER_us);
         spi->mcr0 = value & ~MASK(FLEXSPI_MCR0_SWRESET);
         break;
     case FLEXSPI_AHBCR:

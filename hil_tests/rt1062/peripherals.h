@@ -34,6 +34,7 @@ typedef struct rt_clocks {
     uint64_t periph_busy_until, arm_busy_until, ahb_busy_until;
     double core_Hz, arm_divider, ahb_divider; /* in force: a change takes effect when its handshake ends */
     bool periph_from_clk2;
+    bool is_dead; /* a fault has taken the processor's clock away, until a reset */
     uint64_t instants_per_cycle;
 } rt_clocks;
 void rt_clocks_reset(struct rt_chip *chip);
@@ -45,6 +46,7 @@ uint32_t rt_dcdc_read(struct rt_chip *chip, uint32_t offset);
 void rt_dcdc_write(struct rt_chip *chip, uint32_t offset, uint32_t value);
 bool rt_gate_is_open(struct rt_chip *chip, uint32_t number, uint32_t gate);
 void rt_clocks_update(struct rt_chip *chip); /* lets handshakes end that are due */
+void rt_clocks_upset(struct rt_chip *chip);  /* a bit of a stored word has flipped: it acts at once */
 double rt_clock_ipg_Hz(struct rt_chip *chip);
 double rt_clock_perclk_Hz(struct rt_chip *chip);
 double rt_clock_uart_Hz(struct rt_chip *chip);
@@ -319,7 +321,7 @@ typedef struct rt_core {
     uint32_t enabled[8], begin[RT_MPU_REGIONS], size[RT_MPU_REGIONS], mpu_region;
     uint64_t count_begin; /* in cycles */
     uint64_t cycles;
-    uint32_t lines_invalidated;
+    uint32_t lines_invalidated, invalidated[32]; /* each line of the data cache counts once */
     bool is_dwt_unlocked, are_instructions_invalidated;
 } rt_core;
 void rt_core_reset(struct rt_chip *chip);

@@ -124,6 +124,7 @@ static bool is_output(rt_pin pin)
 
 bool rt_pin_level(rt_chip *chip, rt_pin pin)
 {
+    if (rt_fault_is(&chip->fault, RT_FAULT_PIN) && chip->fault.address == pin) return chip->fault.set != 0;
     if (!is_output(pin)) return rt_pin_is_routed(chip, pin) && level_at(chip, pin);
     uint32_t port = rows[pin].gpio / 32, bit = 1u << rows[pin].gpio % 32;
     if (rows[pin].gpio == OTHER || !rt_pin_is_routed(chip, pin)) return false;

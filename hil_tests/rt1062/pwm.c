@@ -167,6 +167,22 @@ void rt_pwm_write(rt_chip *chip, uint32_t module, uint32_t offset, uint32_t valu
     update_module(chip, module);
 }
 
+static double share_of(const rt_pwm_submodule *sub, bool is_b)
+{
+    double begin = (int16_t)sub->active.init, period = (int16_t)sub->active.val[1] + 1 - begin;
+    double on = (int16_t)sub->active.val[is_b ? 4 : 2], off = (int16_t)sub->active.val[is_b ? 5 : 3];
+    double width = off - on;
+    return period <= 0 || width <= 0 ? 0 : width >= period ? 1 : width / period;
+}
+
+/* The place in the motors' period of 50 us, 0 .. 1. */
+static double phase_of(uint64_t instant)
+{
+    const uint64_t period = 50 * RT_INSTANTS_PER_us;
+    return (double)(instant % period) / (double)period;
+}
+
+/* Without its clock, an output stays at the level that it has. */
 double rt_pwm_duty(rt_chip *chip, uint32_t module, uint32_t submodule, bool is_b)
 {
     const rt_pwm *pwm = &chip->pwm[module];
@@ -181,10 +197,9 @@ double rt_pwm_duty(rt_chip *chip, uint32_t module, uint32_t submodule, bool is_b
     if (pwm->is_disabled && (map & FAULT0) != 0) return 0;
     if (is_b && RT_FIELD(sub->control2, PWM_SMCTRL2_0_INDEP) == 0)
         return 0; /* the complement of A: not this board */
-    double begin = (int16_t)sub->active.init, period = (int16_t)sub->active.val[1] + 1 - begin;
-    double on = (int16_t)sub->active.val[is_b ? 4 : 2], off = (int16_t)sub->active.val[is_b ? 5 : 3];
-    double width = off - on;
-    return period <= 0 || width <= 0 ? 0 : width >= period ? 1 : width / period;
+    double share = share_of(sub, is_b);
+    if (rt_fault_core_stands(chip)) return phase_of(chip->fault.struck_at) < share ? 1 : 0;
+    return share;
 }
 
 void rt_pwm_reset(rt_chip *chip)

@@ -7,7 +7,11 @@ enum { GPT_FROM_PERCLK = 2, GPT_RESET_ns = 500 };
 
 static uint64_t pit_period(rt_chip *chip)
 {
-    return (uint64_t)((chip->pit.load + 1.0) / rt_clock_perclk_Hz(chip) * RT_INSTANTS_PER_s + 0.5);
+    double share = rt_fault_is(&chip->fault, RT_FAULT_TICK_RATE) ? chip->fault.set * 1e-3 : 1;
+    double clock = rt_clock_perclk_Hz(chip);
+    if (clock <= 0) return RT_NEVER / 2;
+    return rt_mutant_time(chip, RT_TIME_PIT,
+                          (uint64_t)((chip->pit.load + 1.0) / clock * share * RT_INSTANTS_PER_s + 0.5));
 }
 
 static bool pit_runs(const rt_pit *pit)
@@ -78,7 +82,8 @@ static uint32_t gpt_count(rt_chip *chip)
     if ((gpt->control & MASK(GPT_CR_EN)) == 0 || RT_FIELD(gpt->control, GPT_CR_CLKSRC) != GPT_FROM_PERCLK)
         return gpt->count;
     double clock = rt_clock_perclk_Hz(chip) / (RT_FIELD(gpt->prescaler, GPT_PR_PRESCALER) + 1);
-    return (uint32_t)(uint64_t)((double)(chip->now - gpt->begin) * clock / RT_INSTANTS_PER_s);
+    uint64_t passed = rt_mutant_time(chip, RT_TIME_GPT, chip->now - gpt->begin);
+    return (uint32_t)(uint64_t)((double)passed * clock / RT_INSTANTS_PER_s);
 }
 
 uint32_t rt_gpt_read(rt_chip *chip, uint32_t offset)
@@ -108,7 +113,8 @@ void rt_gpt_write(rt_chip *chip, uint32_t offset, uint32_t value)
     if (offset == GPT_CR) {
         bool starts = (value & ~gpt->control & MASK(GPT_CR_EN)) != 0;
         if (value & MASK(GPT_CR_SWR)) {
-            *gpt = (rt_gpt){.reset_until = chip->now + GPT_RESET_ns * RT_INSTANTS_PER_us / 1000};
+            uint64_t time = rt_mutant_time(chip, RT_TIME_GPT_RESET, GPT_RESET_ns * RT_INSTANTS_PER_us / 1000);
+            *gpt = (rt_gpt){.reset_until = chip->now + time};
             return;
         }
         if (starts && RT_FIELD(value, GPT_CR_CLKSRC) != GPT_FROM_PERCLK)

@@ -18,7 +18,8 @@ static double rate_of(rt_chip *chip)
 static uint64_t byte_instants(rt_chip *chip)
 {
     double rate = rate_of(chip);
-    return rate > 0 ? (uint64_t)(BITS_PER_BYTE / rate * RT_INSTANTS_PER_s) : RT_NEVER / 2;
+    if (rate <= 0) return RT_NEVER / 2;
+    return rt_mutant_time(chip, RT_TIME_UART_BYTE, (uint64_t)(BITS_PER_BYTE / rate * RT_INSTANTS_PER_s));
 }
 
 static void update(rt_chip *chip)

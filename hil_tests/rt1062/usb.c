@@ -231,7 +231,8 @@ static void write_command(rt_chip *chip, uint32_t value)
 {
     rt_usb *usb = &chip->usb;
     if (value & MASK(USB_USBCMD_RST)) {
-        usb->reset_until = chip->now + CONTROLLER_RESET_us * RT_INSTANTS_PER_us;
+        usb->reset_until =
+            chip->now + rt_mutant_time(chip, RT_TIME_USB_RESET, CONTROLLER_RESET_us * RT_INSTANTS_PER_us);
         return;
     }
     if ((value & MASK(USB_USBCMD_RS)) != 0 && RT_FIELD(usb->mode, USB_USBMODE_CM) != MODE_DEVICE)
@@ -277,11 +278,13 @@ void rt_usb_write(rt_chip *chip, uint32_t offset, uint32_t value)
         break;
     case USB_ENDPTPRIME:
         usb->prime |= value;
-        usb->prime_until = chip->now + PRIME_ns * RT_INSTANTS_PER_us / 1000;
+        usb->prime_until =
+            chip->now + rt_mutant_time(chip, RT_TIME_USB_PRIME, PRIME_ns * RT_INSTANTS_PER_us / 1000);
         break;
     case USB_ENDPTFLUSH:
         usb->flush |= value;
-        usb->flush_until = chip->now + FLUSH_ns * RT_INSTANTS_PER_us / 1000;
+        usb->flush_until =
+            chip->now + rt_mutant_time(chip, RT_TIME_USB_FLUSH, FLUSH_ns * RT_INSTANTS_PER_us / 1000);
         break;
     case USB_ENDPTCOMPLETE:
         usb->complete &= ~value;
@@ -320,7 +323,8 @@ void rt_usb_bus_reset(rt_chip *chip, bool high_speed)
     usb->bus = RT_BUS_RESET;
     usb->is_high_speed = high_speed;
     usb->address = 0;
-    usb->bus_reset_until = chip->now + BUS_RESET_us * RT_INSTANTS_PER_us;
+    usb->bus_reset_until =
+        chip->now + rt_mutant_time(chip, RT_TIME_USB_BUS_RESET, BUS_RESET_us * RT_INSTANTS_PER_us);
     happen(chip, MASK(USB_USBSTS_URI));
 }
 
@@ -439,11 +443,17 @@ static rt_usb_reply take_setup(rt_chip *chip, const rt_usb_packet *packet)
     return RT_USB_ACK;
 }
 
-rt_usb_reply rt_usb_transact(rt_chip *chip, rt_usb_packet *packet)
+/* A token that does not arrive whole. Noise spoils half of them. */
+static bool is_lost(const rt_chip *chip)
+{
+    bool is_spoilt = (chip->usb.tokens * 2654435761u >> 15 & 1u) != 0;
+    return rt_fault_core_stands(chip) || rt_fault_is(&chip->fault, RT_FAULT_SILENCE) ||
+           (rt_fault_is(&chip->fault, RT_FAULT_NOISE) && is_spoilt);
+}
+
+static rt_usb_reply answer(rt_chip *chip, rt_usb_packet *packet)
 {
     rt_usb *usb = &chip->usb;
-    settle(chip);
-    usb->tokens++;
     bool is_in = packet->token == RT_TOKEN_IN;
     if (!rt_usb_is_attached(chip) || usb->bus != RT_BUS_ACTIVE || packet->address != usb->address ||
         packet->endpoint >= RT_USB_ENDPOINTS)
@@ -460,6 +470,18 @@ rt_usb_reply rt_usb_transact(rt_chip *chip, rt_usb_packet *packet)
     uint8_t *head = head_of(chip, packet->endpoint, is_in);
     if (head == NULL) return RT_USB_NAK;
     return is_in ? send(chip, head, packet) : receive(chip, head, packet);
+}
+
+rt_usb_reply rt_usb_transact(rt_chip *chip, rt_usb_packet *packet)
+{
+    settle(chip);
+    chip->usb.tokens++;
+    rt_fault_token(chip);
+    if (is_lost(chip)) return RT_USB_SILENCE;
+    bool loses = rt_fault_is(&chip->fault, RT_FAULT_LOST_ACK);
+    packet->is_ack_lost = packet->is_ack_lost || loses;
+    rt_usb_reply reply = answer(chip, packet);
+    return loses && reply == RT_USB_ACK ? RT_USB_SILENCE : reply;
 }
 
 /* The cable stays as it is; a host sees the device leave. */

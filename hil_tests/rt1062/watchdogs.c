@@ -8,9 +8,9 @@ enum { UNLOCK_CLOCKS = 255, RTWDOG_RESET_CS = 0x2920, RTWDOG_TOVAL_RESET = 0x400
 static const double low_power_Hz = 32768.0;
 static const uint32_t chip_number[2] = {0x4d2a1062u, 0x01234567u};
 
-static uint64_t half_seconds(uint32_t count)
+static uint64_t half_seconds(const rt_chip *chip, uint32_t count)
 {
-    return RT_INSTANTS_PER_s / 2 * count;
+    return rt_mutant_time(chip, RT_TIME_WDOG, RT_INSTANTS_PER_s / 2 * count);
 }
 
 uint32_t rt_wdog_read(rt_chip *chip, uint32_t offset)
@@ -26,7 +26,7 @@ static void serve(rt_chip *chip)
 {
     rt_watchdogs *dogs = &chip->watchdogs;
     if (dogs->wdog_bites == RT_NEVER) return;
-    dogs->wdog_bites = chip->now + half_seconds(RT_FIELD(dogs->wcr, WDOG_WCR_WT) + 1);
+    dogs->wdog_bites = chip->now + half_seconds(chip, RT_FIELD(dogs->wcr, WDOG_WCR_WT) + 1);
     dogs->served++;
 }
 
@@ -43,7 +43,7 @@ void rt_wdog_write(rt_chip *chip, uint32_t offset, uint32_t value)
         dogs->wcr = value;
         dogs->is_locked = true;
         if (!was_on && (value & MASK(WDOG_WCR_WDE)) != 0)
-            dogs->wdog_bites = chip->now + half_seconds(RT_FIELD(value, WDOG_WCR_WT) + 1);
+            dogs->wdog_bites = chip->now + half_seconds(chip, RT_FIELD(value, WDOG_WCR_WT) + 1);
         break;
     }
     case WDOG_WSR:
@@ -73,7 +73,9 @@ void rt_rtwdog_write(rt_chip *chip, uint32_t offset, uint32_t value)
     if (offset == RTWDOG_CNT) {
         if (value == RTWDOG_KEY)
             dogs->unlocked_until =
-                chip->now + (uint64_t)(UNLOCK_CLOCKS / rt_clock_ipg_Hz(chip) * RT_INSTANTS_PER_s);
+                chip->now +
+                rt_mutant_time(chip, RT_TIME_RTWDOG_UNLOCK,
+                               (uint64_t)(UNLOCK_CLOCKS / rt_clock_ipg_Hz(chip) * RT_INSTANTS_PER_s));
         return;
     }
     if (offset != RTWDOG_CS && offset != RTWDOG_TOVAL) {
@@ -88,8 +90,8 @@ void rt_rtwdog_write(rt_chip *chip, uint32_t offset, uint32_t value)
     if (offset == RTWDOG_TOVAL) dogs->toval = value;
     if (offset == RTWDOG_CS) dogs->cs = value;
     bool is_on = (dogs->cs & MASK(RTWDOG_CS_EN)) != 0;
-    dogs->rtwdog_bites =
-        is_on ? chip->now + (uint64_t)(dogs->toval / low_power_Hz * RT_INSTANTS_PER_s) : RT_NEVER;
+    uint64_t time = (uint64_t)(dogs->toval / low_power_Hz * RT_INSTANTS_PER_s);
+    dogs->rtwdog_bites = is_on ? chip->now + rt_mutant_time(chip, RT_TIME_RTWDOG, time) : RT_NEVER;
 }
 
 uint64_t rt_watchdogs_run_due(rt_chip *chip)

@@ -132,8 +132,10 @@ void find_thickest(const FlowCells &cells, std::span<const ToolBall> balls, std:
 {
     tool_mm.assign(cells.size(), 0.0);
     if (tool_mm.empty()) return;
+    std::size_t cell = balls.empty() ? 0 : cells.nearest(balls.front().place_m);
     for (const ToolBall &ball : balls) {
-        double &thickest = tool_mm[cells.nearest(ball.place_m)];
+        cell = cells.nearest(ball.place_m, cell);
+        double &thickest = tool_mm[cell];
         thickest = std::max(thickest, ball.radius_m * 1e3);
     }
 }

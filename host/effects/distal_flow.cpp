@@ -248,7 +248,7 @@ void DistalFlow::advance_arteries()
                 volume.split * (volume.from < 0 ? entering_mg : out_mg_[volume.from]) + joined_mg_[i];
             out_ml_[i] = volume.split * (volume.from < 0 ? ml : out_ml_[volume.from]) + joined_ml_[i];
             const double turns = out_ml_[i] * volume.per_ml, all_mg = mg_[i] + come_mg;
-            out_mg_[i] = all_mg * (turns / (1.0 + turns));
+            out_mg_[i] = all_mg != 0.0 ? all_mg * (turns / (1.0 + turns)) : 0.0; // most volumes hold none
             mg_[i] = all_mg - out_mg_[i];
             if (!volume.is_last) continue;
             if (volume.vein < 0) {

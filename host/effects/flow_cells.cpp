@@ -231,6 +231,16 @@ void FlowCells::find_middles()
 // with equal power distances, the first is found.
 std::size_t FlowCells::nearest(const Eigen::Vector3d &place_m) const
 {
+    if (groups_.empty()) return 0;
+    auto square = [&](const Group &group) { return (place_m - group.middle_m).squaredNorm(); };
+    std::size_t first = 0;
+    for (std::size_t i = 1; i < groups_.size(); ++i)
+        if (square(groups_[i]) < square(groups_[first])) first = i;
+    return nearest(place_m, groups_[first].begin);
+}
+
+std::size_t FlowCells::nearest(const Eigen::Vector3d &place_m, std::size_t guess) const
+{
     constexpr double margin_m = 1e-6; // far more than all rounding errors
     std::size_t best = cells_.size();
     double least = std::numeric_limits<double>::infinity(), reach_m = least;
@@ -244,14 +254,12 @@ std::size_t FlowCells::nearest(const Eigen::Vector3d &place_m) const
         }
         reach_m = std::sqrt(std::max(least, 0.0)) + margin_m;
     };
-    auto square = [&](const Group &group) { return (place_m - group.middle_m).squaredNorm(); };
-    std::size_t first = 0;
-    for (std::size_t i = 1; i < groups_.size(); ++i)
-        if (square(groups_[i]) < square(groups_[first])) first = i;
-    if (!groups_.empty()) search(groups_[first]);
-    for (const Group &group : groups_) {
-        const double within_m = group.reach_m + reach_m;
-        if (!(square(group) > within_m * within_m)) search(group);
+    const std::size_t first = guess / group_cells;
+    if (first < groups_.size()) search(groups_[first]);
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+        const double within_m = groups_[i].reach_m + reach_m;
+        if (i == first || (place_m - groups_[i].middle_m).squaredNorm() > within_m * within_m) continue;
+        search(groups_[i]);
     }
     return best < cells_.size() ? best : 0;
 }

@@ -76,6 +76,8 @@ class FlowCells
     // and r the radius of the cell. Where vessels overlap, the found cell belongs to the vessel in which p
     // lies deeper.
     std::size_t nearest(const Eigen::Vector3d &place_m) const;
+    // Finds the same cell, faster if it lies near the cell `guess`, such as that of the point before.
+    std::size_t nearest(const Eigen::Vector3d &place_m, std::size_t guess) const;
 
   private:
     void cut(const VesselTree &tree, std::size_t branch);

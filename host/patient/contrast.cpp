@@ -543,8 +543,11 @@ void PatientContrast::make_curves_of(std::size_t branch, bool is_core)
 void PatientContrast::colour(WireFrame &wire) const
 {
     if (curves_.empty()) return;
-    for (WireNode &node : wire.nodes)
-        node.contrast_mg_per_ml = flow_.iodine_mg_per_ml(flow_.cells().nearest(node.position_m));
+    std::size_t cell = wire.nodes.empty() ? 0 : flow_.cells().nearest(wire.nodes.front().position_m);
+    for (WireNode &node : wire.nodes) {
+        cell = flow_.cells().nearest(node.position_m, cell);
+        node.contrast_mg_per_ml = flow_.iodine_mg_per_ml(cell);
+    }
 }
 
 } // namespace crn

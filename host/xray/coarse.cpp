@@ -77,7 +77,7 @@ std::vector<float> slow_part(CoarseSums sums, int cells)
     return std::move(sums.sum);
 }
 
-void slow_row(const std::vector<float> &grid, int size, int row, float *out)
+CRN_WIDE void slow_row(const std::vector<float> &grid, int size, int row, float *out)
 {
     constexpr int half = coarse_cell / 2;
     const int cells = size / coarse_cell;

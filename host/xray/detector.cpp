@@ -135,7 +135,7 @@ void transmission_row(const BeamTable &beam, const std::array<const std::int32_t
         const int columns = std::min(block, size - begin);
         PresentPaths present;
         for (int m = 0; m < material_count; ++m) {
-            if (!paths[m] || any_of(paths[m] + begin, columns) == 0) continue;
+            if (!paths[m] || (paths[m][begin] == 0 && any_of(paths[m] + begin, columns) == 0)) continue;
             present.path[present.count] = paths[m] + begin;
             present.factor[present.count++] = beam.log2_per_q10mm[m].data();
         }

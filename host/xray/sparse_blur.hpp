@@ -27,7 +27,24 @@ class SparseBlur
   private:
     struct Line { // pixels that lie `step` apart; their count is the picture's size
         int size, step;
-        int place(std::int32_t pixel) const { return step == 1 ? pixel % size : pixel / size; }
+    };
+    // Finds the place of pixels on their lines, and keeps the last row.
+    class Place
+    {
+      public:
+        explicit Place(const Line &line) : line_(line) {}
+        int of(std::int32_t pixel)
+        {
+            if (pixel < row_begin_ || pixel >= row_begin_ + line_.size) {
+                row_ = pixel / line_.size;
+                row_begin_ = row_ * line_.size;
+            }
+            return line_.step == 1 ? pixel - row_begin_ : row_;
+        }
+
+      private:
+        Line line_;
+        std::int32_t row_ = 0, row_begin_ = 0;
     };
     void pass(const Line &line, const BlurKernel &kernel);
 
@@ -35,7 +52,7 @@ class SparseBlur
     std::vector<float> values_;
     std::vector<float> picture_;           // size*size, zero between passes
     std::vector<std::uint8_t> is_reached_; // likewise
-    std::vector<std::int32_t> reached_;    // pixels of the current pass
+    std::vector<std::int32_t> reached_;    // pixels of the current pass; longer than their count
 };
 
 } // namespace crn

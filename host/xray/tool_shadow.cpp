@@ -102,8 +102,11 @@ void spread(std::int32_t common, const std::int32_t *own, std::int32_t *length_q
 // ray meets the material.
 bool fill(const ToolPaths &tools, const Layer &layer, const Block &block, std::int32_t *length_q10mm)
 {
-    OfPixels common{};
-    if (layer.bodies) copy_bodies(layer, block, common);
+    OfPixels common;
+    if (layer.bodies)
+        copy_bodies(layer, block, common);
+    else
+        std::fill_n(common.begin(), block.count, 0);
     if (layer.slot >= 0)
         for (int i = 0; i < block.count; ++i) common[i] += tools.wide(block.entry[i])[layer.slot];
     else if (std::all_of(common.begin(), common.begin() + block.count,

@@ -2,7 +2,7 @@
 ##@ For rig builders
 .PHONY: firmware firmware-board registers install-udev hil hil-full hil-faults hil-loop hil-emulator
 .PHONY: hil-machines hil-mock hil-guest hil-rig
-.PHONY: hil-board hil-passivity hil-lies soak
+.PHONY: hil-board hil-board-faults hil-board-mutants hil-passivity hil-lies soak
 IMAGE_ARGS   = -DCRN_USB_ID=$(USB_ID)
 
 firmware: ## build the images for the emulated Cortex-M7 and a real board, and check them: build/firmware
@@ -45,16 +45,18 @@ hil_usb   = $(call hil_also,$(1),checks,libusb_and_hidapi) $(call hil_also,$(1),
             $(call hil_also,$(1),two,two_rigs_by_serial_number)
 HIL_PACKAGES := packages-build+tools+test+hil+usb+matrix
 define hil_build
-	$(call build,release,run$(comma)tools$(comma)tests,cournand hil hil_rig hil_campaign hil_programs)
-	$(call build,m7,run,cournand-mps2_an500)
+	$(call build,release,run$(comma)tools$(comma)tests,cournand hil hil_rig hil_campaign hil_programs hil_rt1062)
+	$(call build,m7,run,cournand-mps2_an500 cournand-imxrt1062)
 	$(again) $(SCENE)
 endef
+HIL_CHIP := $(BUILD)/hil/hil_rt1062 --image $(BUILD)/firmware/cournand-imxrt1062.elf
 
 hil: $(HIL_PACKAGES) ## run every level of emulation with every case, and the aorta session: docs/hil.md
 	$(hil_build)
 	@$(HIL) --scene $(SCENE) --free-run $(HIL_FREE) --also "L0 faults_on_purpose $(HIL_CAMPAIGN)" \
 	    --also "L1 faults_on_purpose $(HIL_CAMPAIGN) --level L1 --spread $(HIL_SPREAD) --tsv out/hil_campaign_l1.tsv" \
 	    $(call hil_usb,L2) $(call hil_usb,L3) \
+	    --also "RT hil.rt1062_hash $(HIL_CHIP) --aorta --scene $(SCENE) --figures out/hil_rt1062.tsv" \
 	    --also "L4 one_hash_on_five_machines tools/check/matrix.py --short --jobs $(JOBS)" \
 	    --also "L4 the_app_and_its_wire hil_tests/l4/wire_everywhere.sh"
 
@@ -86,6 +88,18 @@ hil-board: $(HIL_PACKAGES)
 	$(again) $(SCENE) $(HEART)
 	@$(BUILD)/hil/hil_rt1062 && $(ON_USB) L3 board && $(BUILD)/hil/hil_rt1062 --aorta --scene $(SCENE) && \
 	    $(BUILD)/hil/hil_rt1062 --aorta --scene $(HEART) --aorta-ticks 12000
+
+hil-board-faults: ## break the emulated chip 2,200 times: out/hil_rt1062_faults.tsv (4 to 20 minutes)
+hil-board-faults: $(HIL_PACKAGES)
+	$(call build,release,run$(comma)tests,hil_rt1062_faults)
+	$(call build,m7,run,cournand-imxrt1062)
+	@$(BUILD)/hil/hil_rt1062_faults --image $(BUILD)/firmware/cournand-imxrt1062.elf --count 2200 --jobs $(JOBS)
+
+hil-board-mutants: ## make the model of the chip wrong 600 times: which test notices? (20 to 60 minutes)
+hil-board-mutants: $(HIL_PACKAGES)
+	$(call build,release,run$(comma)tests,hil_rt1062 rt1062_tests)
+	$(call build,m7,run,cournand-imxrt1062)
+	@BUILD=$(BUILD) hil_tests/rt1062/faults/mutants.py --count 600
 
 hil-rig: ## run the cases that need no plant on a physical rig: make hil-rig SERIAL=...
 hil-rig: packages-build+tools+test+usb

@@ -56,9 +56,14 @@ __attribute__((section(".start"), noreturn)) void start(void)
     __builtin_unreachable();
 }
 
-/* `frame` is the stack frame that the processor pushed at the exception. */
+/* `frame` is the stack frame that the processor pushed at the exception. A bus error of the handler's own
+ * accesses would lock the processor up. The peripheral that caused the exception may be one that takes the
+ * forces away, so the handler ignores bus errors: what does not answer is left out, and the other ways still
+ * act. */
 __attribute__((used)) static void crashed(const uint32_t *frame)
 {
+    CORE_CCR |= CORE_CCR_IGNORE_BUS_FAULTS;
+    core_barrier();
     rig_outputs_off();
     uint32_t number;
     __asm__ volatile("mrs %0, ipsr" : "=r"(number));
@@ -71,13 +76,14 @@ __attribute__((used)) static void crashed(const uint32_t *frame)
     }
 }
 
-/* Switches to the stack of `start`, because the stack in use may have overflowed. If the processor could not
- * push the exception's stack frame because of the guard region below the stack, the code does not read this
- * frame. If the frame could not be pushed, the old stack pointer lies below the stack, and the console shows
- * the words at the guard region's end. */
+/* Sets FAULTMASK, and switches to the stack of `start`, because the stack in use may have overflowed. If the
+ * processor could not push the exception's stack frame because of the guard region below the stack, the code
+ * does not read this frame. If the frame could not be pushed, the old stack pointer lies below the stack, and
+ * the console shows the words at the guard region's end. */
 __attribute__((naked)) static void unexpected(void)
 {
-    __asm__ volatile("mrs r0, msp\n"
+    __asm__ volatile("cpsid f\n"
+                     "mrs r0, msp\n"
                      "ldr r1, =bss_end + 32\n"
                      "cmp r0, r1\n"
                      "it lo\n"

@@ -320,6 +320,7 @@ void the_cell_is_that_of_a_search_of_all_cells(void **)
         for (std::size_t i = 1; i < cells.size(); ++i)
             if (power(i) < power(best)) best = i;
         assert_int_equal(cells.nearest(place_m), best);
+        assert_int_equal(cells.nearest(place_m, static_cast<std::size_t>(turn) % (cells.size() + 20)), best);
     }
 }
 

@@ -6,7 +6,7 @@ import enum
 import os
 import struct
 import zlib
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -51,9 +51,9 @@ class View:
 
     def numbers(self) -> tuple[float, ...]:
         """Returns the view's numbers in the order of the C struct."""
-        primary, secondary, isocentre, *rest = astuple(self)
-        x, y, z = isocentre
-        return (float(primary), float(secondary), float(x), float(y), float(z), *map(float, rest))
+        x, y, z = self.isocentre_m
+        rest = (self.source_detector_m, self.source_isocentre_m, self.field_m, self.dose_nGy)
+        return tuple(map(float, (self.primary_deg, self.secondary_deg, x, y, z, *rest)))
 
     def matrix(self, size: int = 512) -> npt.NDArray[np.float64]:
         """Returns the projection matrix P, float64 [3, 4]: P (x, y, z, 1), in m, is (u w, v w, w) with the column u and

@@ -25,6 +25,7 @@ import factory_runs as runs  # noqa: E402
 import numpy as np  # noqa: E402
 from cournand.factory import Course, Options, UsageError, plan_shard, png  # noqa: E402
 from cournand.factory.formats.coco import annotations_of  # noqa: E402
+from cournand.factory.formats.webdataset import header  # noqa: E402
 from cournand.factory.frame import CLEAR, OUTSIDE, areas_of  # noqa: E402
 from cournand.factory.options import VARIATION, varied  # noqa: E402
 from cournand.factory.plan import ATTEMPTS, AS_SHIPPED  # noqa: E402
@@ -306,6 +307,15 @@ def a_tar_holds_every_frame_once_and_its_masks_have_the_stated_areas():
     return indexes == list(range(10))
 
 
+def a_header_of_a_tar_is_that_of_tarfile():
+    for name, size in (("a", 0), ("000012-00003.centrelines.npy", 511), ("n" * 100, 8**11 - 1)):
+        info = tarfile.TarInfo(name)
+        info.size, info.mode = size, 0o644
+        if header(name, size) != info.tobuf(tarfile.USTAR_FORMAT):
+            return False
+    return True
+
+
 def unpacked(text):
     """Reads the text of a run-length mask letter by letter."""
     counts, at = [], 0
@@ -500,6 +510,7 @@ if __name__ == "__main__":
         rounding_leaves_no_range_of_angles,
         a_png_of_a_mask_holds_its_pixels,
             a_tar_holds_every_frame_once_and_its_masks_have_the_stated_areas,
+            a_header_of_a_tar_is_that_of_tarfile,
             run_lengths_give_the_masks_back,
             the_annotations_of_all_shards_are_one_file,
             dicom_files_have_no_errors,

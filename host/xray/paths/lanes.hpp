@@ -18,6 +18,7 @@ typedef float Lanes_f_anywhere __attribute__((vector_size(32), aligned(4), may_a
 
 // Four numbers at a time, for the coordinates of a point.
 typedef std::int32_t Four_i __attribute__((vector_size(16)));
+typedef std::int32_t Four_i_anywhere __attribute__((vector_size(16), aligned(4), may_alias));
 typedef std::uint32_t Four_u __attribute__((vector_size(16)));
 typedef float Four_f __attribute__((vector_size(16)));
 

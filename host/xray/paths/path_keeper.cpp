@@ -132,13 +132,15 @@ bool PathKeeper::move(const XrayFrame &frame)
         if (body.body < 0 || static_cast<std::size_t>(body.body) >= moved_.size()) continue;
         if (body.vertices_um.size() != meshes_.vertex_counts[body.body] || body.vertices_um.empty()) continue;
         if (wanted[body.body]) continue;
+        Moved &kept = moved_[body.body];
+        if (std::equal(kept.vertices_um.begin(), kept.vertices_um.end(), body.vertices_um.begin(),
+                       body.vertices_um.end())) {
+            wanted[body.body] = 1;
+            continue;
+        }
         const PointBox box_um = box_around(body.vertices_um);
         if (!is_near(box_um)) continue;
         wanted[body.body] = 1;
-        Moved &kept = moved_[body.body];
-        if (std::equal(kept.vertices_um.begin(), kept.vertices_um.end(), body.vertices_um.begin(),
-                       body.vertices_um.end()))
-            continue;
         kept.vertices_um.assign(body.vertices_um.begin(), body.vertices_um.end());
         kept.box_um = box_um;
         back_end_->move(body.body, kept.vertices_um);

@@ -69,38 +69,43 @@ CRN_WIDE bool project_corners(const Camera &camera, const float *x_um, const flo
     return is_far == 0;
 }
 
+// Returns the four numbers of a corner: x, y, the bits of 1/depth, and 0.
+inline __attribute__((always_inline)) const Four_i_anywhere &numbers_of(const Corner &corner)
+{
+    static_assert(sizeof(Corner) == sizeof(Four_i_anywhere));
+    return *reinterpret_cast<const Four_i_anywhere *>(&corner.x);
+}
+
 // Keeps the triangles whose bounding box contains the middle of a pixel in `rect`, together with those
-// pixels, and leaves out all others.
+// pixels, and leaves out all others. Of the four numbers of a corner, the first two count.
 CRN_WIDE void keep_triangles(const std::array<std::uint16_t, 3> *triangles, std::uint32_t count,
                              const Corner *corners, const PixelRect &rect, KeptTriangle *kept,
                              Projection::OfChunk &of_chunk)
 {
-    const std::int32_t first[2] = {rect.x0, rect.y0}, last[2] = {rect.x1 - 1, rect.y1 - 1};
-    std::int32_t least[2] = {INT16_MAX, INT16_MAX}, greatest[2] = {-1, -1};
+    constexpr int large = 64 * subpixels; // from here on, products of differences pass 2^30
+    const Four_i first = {rect.x0, rect.y0, 0, 0}, last = {rect.x1 - 1, rect.y1 - 1, 0, 0};
+    Four_i least = {INT16_MAX, INT16_MAX, 0, 0}, greatest = {-1, -1, 0, 0};
     std::uint32_t kept_count = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
         const auto [first_corner, second_corner, third_corner] = triangles[i];
-        const Corner &a = corners[first_corner], &b = corners[second_corner], &c = corners[third_corner];
-        const std::int32_t as[2] = {a.x, a.y}, bs[2] = {b.x, b.y}, cs[2] = {c.x, c.y};
-        std::int32_t from[2], to[2], is_large = 0;
-        for (int axis = 0; axis < 2; ++axis) {
-            const std::int32_t low = std::min(std::min(as[axis], bs[axis]), cs[axis]);
-            const std::int32_t high = std::max(std::max(as[axis], bs[axis]), cs[axis]);
-            from[axis] = std::max((low + half - 1) >> subpixel_bits, first[axis]);
-            to[axis] = std::min((high - half) >> subpixel_bits, last[axis]);
-            is_large |= high - low > 64 * subpixels; // products of differences then pass 2^30
-        }
+        const Four_i a = numbers_of(corners[first_corner]), b = numbers_of(corners[second_corner]),
+                     c = numbers_of(corners[third_corner]);
+        Four_i low = a < b ? a : b, high = a > b ? a : b;
+        low = low < c ? low : c;
+        high = high > c ? high : c;
+        Four_i from = (low + (half - 1)) >> subpixel_bits, to = (high - half) >> subpixel_bits;
+        from = from > first ? from : first;
+        to = to < last ? to : last;
         if (from[0] > to[0] || from[1] > to[1]) continue;
+        const Four_i wide = high - low;
         kept[kept_count++] = {static_cast<std::int16_t>(from[0]),
                               static_cast<std::int16_t>(from[1]),
                               static_cast<std::int16_t>(to[0]),
                               static_cast<std::int16_t>(to[1]),
                               {first_corner, second_corner, third_corner},
-                              static_cast<std::uint16_t>(is_large)};
-        for (int axis = 0; axis < 2; ++axis) {
-            least[axis] = std::min(least[axis], from[axis]);
-            greatest[axis] = std::max(greatest[axis], to[axis]);
-        }
+                              static_cast<std::uint16_t>(wide[0] > large || wide[1] > large)};
+        least = least < from ? least : from;
+        greatest = greatest > to ? greatest : to;
     }
     of_chunk = {Projection::Kind::plain,
                 static_cast<std::int16_t>(least[0]),

@@ -105,6 +105,17 @@ CRN_WIDE void lengthen_row(const std::int32_t *from, const float *oblique, int c
     for (int x = 0; x < count; ++x) to[x] = lengthened(from[x], oblique[x]);
 }
 
+// Returns whether a picture has a number that is not 0 in a rectangle.
+bool is_any_in(const PixelRect &rect, int size, const std::vector<std::int32_t> &picture)
+{
+    for (int row = rect.y0; row < rect.y1; ++row) {
+        const std::int32_t *line = picture.data() + static_cast<std::size_t>(row) * size;
+        if (std::any_of(line + rect.x0, line + rect.x1, [](std::int32_t sum) { return sum != 0; }))
+            return true;
+    }
+    return false;
+}
+
 RowRange around_both(const RowRange &a, const RowRange &b)
 {
     if (a.begin >= a.end) return b;
@@ -316,7 +327,7 @@ bool RasterPaths::draw(const View &view, std::span<const std::uint8_t> is_drawn,
 }
 
 // The tiles are those of the whole picture. In each, only the rows that a material covers now or covered at
-// the last call are computed anew.
+// the last call are computed anew. Sums at rest that are all 0 are not read.
 bool RasterPaths::draw_on(const PathPictures &still, bool is_new, const View &view,
                           std::span<const std::uint8_t> is_drawn, const PixelRect &, PathPictures &pictures,
                           std::string &)
@@ -327,17 +338,23 @@ bool RasterPaths::draw_on(const PathPictures &still, bool is_new, const View &vi
     project(camera, is_drawn, rect);
     const int tiles =
         ((view.size + tile_columns - 1) / tile_columns) * ((view.size + tile_rows - 1) / tile_rows);
-    if (is_new) covered_.assign(static_cast<std::size_t>(tiles) * materials_.size(), {0, tile_rows});
-    const Task task{view, PathForm::ray_lengths, &still, pictures};
+    if (is_new) {
+        covered_.assign(static_cast<std::size_t>(tiles) * materials_.size(), {0, tile_rows});
+        has_still_.assign(covered_.size(), 1);
+    }
+    const Task task{view, PathForm::ray_lengths, &still, pictures},
+        alone{view, PathForm::ray_lengths, nullptr, pictures};
     draw_tiles(camera, rect, [&](int i, Tile &tile) {
         measure_rays(view, tile);
-        RowRange *covered = covered_.data() + static_cast<std::size_t>(i) * materials_.size();
-        for (int material : materials_) {
+        const std::size_t first = static_cast<std::size_t>(i) * materials_.size();
+        for (std::size_t k = 0; k < materials_.size(); ++k) {
+            const int material = materials_[k];
+            if (is_new) has_still_[first + k] = is_any_in(tile.rect, view.size, still[material]) ? 1 : 0;
             const RowRange rows = rows_of_material(tile, material);
-            const RowRange changed = around_both(rows, *covered);
-            resolve_rows(task, tile, material,
+            const RowRange changed = around_both(rows, covered_[first + k]);
+            resolve_rows(has_still_[first + k] ? task : alone, tile, material,
                          {changed.begin, std::min(changed.end, tile.rect.y1 - tile.rect.y0)});
-            *covered++ = rows;
+            covered_[first + k] = rows;
         }
     });
     return true;

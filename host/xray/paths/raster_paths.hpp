@@ -57,6 +57,7 @@ class RasterPaths : public BodyPaths
     std::vector<Tile> tiles_; // of each thread
     // The rows of each tile that bodies of each material covered at the last draw_on(): [tile][material].
     std::vector<RowRange> covered_;
+    std::vector<std::uint8_t> has_still_; // whether a material's sums at rest are not 0: [tile][material]
 };
 
 } // namespace crn

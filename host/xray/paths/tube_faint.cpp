@@ -1,4 +1,5 @@
 #include "host/xray/paths/tube_faint.hpp"
+#include "host/xray/paths/lanes.hpp"
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,6 +14,49 @@ namespace
 {
 
 constexpr double ball_chord = 5.0 * pi / 16.0;
+constexpr int points_at_once = 32;
+constexpr int coarse_pixels = 4; // the distance of points of the coarse picture, in pixels
+
+// The pixels whose centres are next above and to the left of some points of a line (pixel centres are at .5),
+// and the places of the points between the centres.
+struct FinePoints {
+    std::int32_t column[points_at_once], row[points_at_once];
+    float u[points_at_once], v[points_at_once];
+};
+
+// A line in the picture, from a to b, moved by `off`.
+struct FineLine {
+    double ax, ay, bx, by, off_x, off_y;
+    int steps;
+};
+
+// Adds path lengths between the points of a row of the coarse picture.
+CRN_WIDE void add_between(const float *points, int size, float *fine)
+{
+    for (int i = 0; i < size / coarse_pixels; ++i)
+        for (int k = 0; k < coarse_pixels; ++k)
+            fine[i * coarse_pixels + k] +=
+                points[i] + (static_cast<float>(k) + 0.5f) / coarse_pixels * (points[i + 1] - points[i]);
+    for (int x = size / coarse_pixels * coarse_pixels; x < size; ++x) {
+        const int i = x / coarse_pixels;
+        fine[x] += points[i] + (static_cast<float>(x % coarse_pixels) + 0.5f) / coarse_pixels *
+                                   (points[i + 1] - points[i]);
+    }
+}
+
+CRN_WIDE void place_points(const FineLine &line, int begin, int count, FinePoints &points)
+{
+    for (int i = 0; i < count; ++i) {
+        const double t = (begin + i + 0.5) / line.steps;
+        const double x = line.ax + t * (line.bx - line.ax) + line.off_x,
+                     y = line.ay + t * (line.by - line.ay) + line.off_y;
+        const double column = std::floor(x - 0.5), row = std::floor(y - 0.5);
+        points.column[i] = static_cast<std::int32_t>(column);
+        points.row[i] = static_cast<std::int32_t>(row);
+        points.u[i] = static_cast<float>(x - 0.5 - column);
+        points.v[i] = static_cast<float>(y - 0.5 - row);
+    }
+}
 
 } // namespace
 
@@ -22,14 +66,11 @@ FaintMedium::FaintMedium(const View &view)
 {
 }
 
-// Shares a length among the four pixels around the place (pixel centres are at .5).
-void FaintMedium::add_fine(double x, double y, float length_mm)
+// Shares a length among the four pixels around a point.
+void FaintMedium::add_fine(int column, int row, float u, float v, float length_mm)
 {
-    const double column = std::floor(x - 0.5), row = std::floor(y - 0.5);
-    const int c = static_cast<int>(column), r = static_cast<int>(row);
-    if (c < 0 || r < 0 || c + 1 >= size_ || r + 1 >= size_) return;
-    const auto u = static_cast<float>(x - 0.5 - column), v = static_cast<float>(y - 0.5 - row);
-    float *pixel = fine_mm_.data() + static_cast<std::size_t>(r) * size_ + c;
+    if (column < 0 || row < 0 || column + 1 >= size_ || row + 1 >= size_) return;
+    float *pixel = fine_mm_.data() + static_cast<std::size_t>(row) * size_ + column;
     pixel[0] += length_mm * (1.0f - u) * (1.0f - v);
     pixel[1] += length_mm * u * (1.0f - v);
     pixel[size_] += length_mm * (1.0f - u) * v;
@@ -66,9 +107,12 @@ void FaintMedium::line(const Vector3d &a_mm, const Vector3d &b_mm, double radius
         const double off = across > 1 ? ((j + 0.5) / across - 0.5) * width_pixels : 0.0;
         const auto each_mm =
             static_cast<float>(volume_mm3 / (apart_mm * apart_mm) / steps * chord(j) / chords);
-        for (int i = 0; i < steps; ++i) {
-            const double t = (i + 0.5) / steps;
-            add_fine(ax + t * (bx - ax) + off * sx, ay + t * (by - ay) + off * sy, each_mm);
+        FinePoints points;
+        for (int begin = 0; begin < steps; begin += points_at_once) {
+            const int count = std::min(points_at_once, steps - begin);
+            place_points({ax, ay, bx, by, off * sx, off * sy, steps}, begin, count, points);
+            for (int i = 0; i < count; ++i)
+                add_fine(points.column[i], points.row[i], points.u[i], points.v[i], each_mm);
         }
     }
 }
@@ -109,11 +153,7 @@ void FaintMedium::finish(std::vector<float> &haze_mm)
         const float *low = coarse_mm_.data() + static_cast<std::size_t>(y / coarse_pixels) * coarse_size_,
                     *high = low + coarse_size_;
         for (int i = 0; i < coarse_size_; ++i) between[i] = low[i] + v * (high[i] - low[i]);
-        float *fine = fine_mm_.data() + static_cast<std::size_t>(y) * size_;
-        for (int i = 0; i * coarse_pixels < size_; ++i)
-            for (int k = 0; k < coarse_pixels && i * coarse_pixels + k < size_; ++k)
-                fine[i * coarse_pixels + k] += between[i] + (static_cast<float>(k) + 0.5f) / coarse_pixels *
-                                                                (between[i + 1] - between[i]);
+        add_between(between.data(), size_, fine_mm_.data() + static_cast<std::size_t>(y) * size_);
     }
     haze_mm.swap(fine_mm_);
 }

@@ -25,8 +25,7 @@ class FaintMedium
     void finish(std::vector<float> &haze_mm);
 
   private:
-    static constexpr int coarse_pixels = 4; // the distance of points of the coarse picture, in pixels
-    void add_fine(double x, double y, float length_mm);
+    void add_fine(int column, int row, float u, float v, float length_mm);
 
     double focal_pixels_, half_;
     int size_, coarse_size_;

@@ -143,20 +143,22 @@ std::int32_t *TubePainter::row_of(int y)
     return paths_.entry.data() + static_cast<std::size_t>(y) * size_;
 }
 
-std::size_t TubePainter::entry(int pixel)
+// The list of path lengths is longer than its entries: it grows by parts of its length, and finish() cuts it.
+std::size_t TubePainter::entry(std::int32_t &place)
 {
-    std::int32_t &place = paths_.entry[pixel];
     if (place < 0) {
-        place = static_cast<std::int32_t>(paths_.narrow_entry.size());
-        paths_.wide_q10mm.resize(paths_.wide_q10mm.size() + paths_.materials.size(), 0);
+        const std::size_t count = paths_.narrow_entry.size(), materials = paths_.materials.size();
+        if ((count + 1) * materials > paths_.wide_q10mm.size())
+            paths_.wide_q10mm.resize((count + count / 2 + 1024) * materials, 0);
         paths_.narrow_entry.push_back(-1);
+        place = static_cast<std::int32_t>(count);
     }
     return static_cast<std::size_t>(place);
 }
 
-std::int32_t *TubePainter::narrow(int pixel)
+std::int32_t *TubePainter::narrow(std::int32_t &of_pixel)
 {
-    std::int32_t &place = paths_.narrow_entry[entry(pixel)];
+    std::int32_t &place = paths_.narrow_entry[entry(of_pixel)];
     const std::size_t ints = paths_.materials.size() * tool_rays;
     if (place < 0) {
         place = static_cast<std::int32_t>(paths_.narrow_q10mm.size() / ints);
@@ -204,12 +206,15 @@ void TubePainter::trace(const Line &line, int rays, int y, int x0, int x1)
 void TubePainter::paint_wide(const Line &line, int y, int x0, int x1)
 {
     trace(line, 1, y, x0, x1);
+    const std::int32_t *lengths = rows_.data();
+    const std::size_t materials = paths_.materials.size();
+    std::int32_t *places = row_of(y);
     for (int x = x0; x < x1; ++x) {
-        const std::int32_t length = rows_[x - x0];
+        const std::int32_t length = lengths[x - x0];
         if (length == 0) continue;
-        const int pixel = y * size_ + x;
-        if (labels_ != nullptr) mark(pixel, tool_rays * length);
-        const std::size_t at = entry(pixel) * paths_.materials.size(); // may move wide_q10mm
+        if (labels_ != nullptr) mark(y * size_ + x, tool_rays * length);
+        if (places[x] < 0) entry(places[x]); // may move wide_q10mm
+        const std::size_t at = static_cast<std::size_t>(places[x]) * materials;
         std::int32_t *of_pixel = paths_.wide_q10mm.data() + at;
         const auto mixed = static_cast<std::int32_t>(static_cast<float>(length) * line.contrast);
         of_pixel[line.material] += length;
@@ -231,7 +236,7 @@ void TubePainter::paint_narrow(const Line &line, int y, int x0, int x1)
             }
         if (sum == 0) continue;
         if (labels_ != nullptr) mark(y * size_ + x, sum);
-        std::int32_t *of_pixel = narrow(y * size_ + x);
+        std::int32_t *of_pixel = narrow(row_of(y)[x]);
         std::int32_t *own = of_pixel + line.material * tool_rays;
         std::int32_t *blood = of_pixel + displaced_ * tool_rays, *contrast = of_pixel + contrast_ * tool_rays;
         for (int k = 0; k < tool_rays; ++k) {
@@ -294,6 +299,7 @@ void TubePainter::paint(const TubePiece &piece)
 
 void TubePainter::finish()
 {
+    paths_.wide_q10mm.resize(paths_.narrow_entry.size() * paths_.materials.size());
     paths_.pixels.reserve(paths_.narrow_entry.size());
     for (int y = 0; y < size_; ++y) {
         const std::int32_t *row = row_of(y);

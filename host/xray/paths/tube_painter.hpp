@@ -37,8 +37,9 @@ class TubePainter
     void paint_narrow(const Line &line, int y, int x0, int x1);
     std::size_t slot(Material material) const;
     std::int32_t *row_of(int y); // the entries of the pixels of a row
-    std::size_t entry(int pixel);
-    std::int32_t *narrow(int pixel); // the path lengths [material][ray]
+    std::size_t
+    entry(std::int32_t &place); // of a pixel with the entry `place`, which becomes a new one if it is -1
+    std::int32_t *narrow(std::int32_t &place); // the path lengths [material][ray]
     void mark(int pixel, std::int32_t sum_of_rays);
 
     ToolPaths &paths_;

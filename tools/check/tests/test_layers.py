@@ -435,8 +435,9 @@ ALLOWED = {
     "hil_tests/l3": ["hil_tests/usb"],
     "hil_tests/l4": ["shared/wire", "firmware/tests/reference"],
     "hil_tests/library": ["shared/wire", "firmware/tests/reference"],
-    "hil_tests/rt1062": ["firmware/port", "hil_tests/plant", "hil_tests/usb", "hil_tests/cases", "host", "shared"],
-    "hil_tests/rt1062/tests": ["hil_tests", "host/link"],
+    "hil_tests/rt1062": ["firmware/port", "hil_tests/usb", "shared"],
+    "hil_tests/rt1062/bench": ["firmware/port", "hil_tests", "host", "shared"],
+    "hil_tests/rt1062/faults": ["hil_tests", "host"],
     "hil_tests/usb": ["shared", "firmware/app", "firmware/port"],
 }
 

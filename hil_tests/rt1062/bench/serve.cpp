@@ -1,6 +1,6 @@
-#include "hil_tests/rt1062/serve.hpp"
+#include "hil_tests/rt1062/bench/serve.hpp"
 #include "hil_tests/plant/plant.hpp"
-#include "hil_tests/rt1062/rig_pins.hpp"
+#include "hil_tests/rt1062/bench/rig_pins.hpp"
 #include <chrono>
 #include <cstdio>
 #include <cstring>

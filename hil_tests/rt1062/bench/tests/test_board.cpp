@@ -1,7 +1,7 @@
 // Claim: the board's port reports broken wiring that the simulated rig of the other levels cannot have,
 // because that rig ends at the port's functions and not at pins.
 #include "hil_tests/cases/conversation.hpp"
-#include "hil_tests/rt1062/board_bench.hpp"
+#include "hil_tests/rt1062/bench/board_bench.hpp"
 #include "host/link/link.hpp"
 #include <csetjmp>
 #include <cstdarg>
@@ -55,6 +55,37 @@ void fault_line_that_was_cut_before_power_up_is_over_current(void **)
     if (!is_told) fail_msg("%s", said.c_str());
 }
 
+// A peripheral answers with bus errors while a motor pushes. The image ends its program, and must take the
+// forces away although each of its ways to do so may be the one that is broken.
+void bus_error_of_any_output_takes_the_forces_at_once(void **)
+{
+    for (const std::uint32_t broken : {BASE_GPIO1, BASE_GPIO2, BASE_PWM3, BASE_LPUART6, BASE_ADC1}) {
+        hil::BoardLevel level(image());
+        const std::unique_ptr<hil::Bench> bench = level.make({});
+        auto &board = dynamic_cast<hil::BoardBench &>(*bench);
+        crn::Link link(bench->pipe());
+        hil::set_up(link);
+        crn_wire_rig rig = hil::plant_rig();
+        rig.tracks[0].seal_mN = 2000; // a push is felt at once
+        link.set_rig(rig);
+        hil::start_free_run(*bench, link);
+        hil::push_by_spring_hand(bench->plant());
+        hil::keep_running(link, 64);
+        assert_int_not_equal(bench->outputs().motors[0].axial_mN, 0);
+        rt_fault fault{};
+        fault.kind = broken == BASE_LPUART6 ? RT_FAULT_EXCEPTION : RT_FAULT_BUS;
+        fault.begin = rt_engine_chip(&board.engine())->now;
+        fault.end = RT_NEVER;
+        fault.address = broken;
+        rt_fault_set(rt_engine_chip(&board.engine()), &fault);
+        bench->advance(2); // one tick at most until the image meets the broken peripheral
+        if (bench->outputs().motors[0].axial_mN != 0 || rt_engine_trouble(&board.engine())[0] != '\0')
+            fail_msg("0x%08x: the motor is ordered to give %d mN; %s", broken,
+                     bench->outputs().motors[0].axial_mN, rt_engine_trouble(&board.engine()));
+        assert_false(bench->outputs().enable && broken != BASE_GPIO1);
+    }
+}
+
 // The power stage is held by edges of the drive line. If the device's millisecond straddles the rig's, two
 // edges may fall between two samples, which then have the same level.
 void two_edges_of_the_drive_line_within_a_millisecond_hold_the_power_stage(void **)
@@ -79,6 +110,7 @@ int main()
 {
     const CMUnitTest tests[] = {
         cmocka_unit_test(two_edges_of_the_drive_line_within_a_millisecond_hold_the_power_stage),
+        cmocka_unit_test(bus_error_of_any_output_takes_the_forces_at_once),
         cmocka_unit_test(fault_line_that_was_cut_before_power_up_is_over_current),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

@@ -3,7 +3,7 @@
 // millisecond of the rig.
 #pragma once
 #include "hil_tests/cases/bench.hpp"
-#include "hil_tests/rt1062/rig_pins.hpp"
+#include "hil_tests/rt1062/bench/rig_pins.hpp"
 #include <string>
 
 namespace hil
@@ -17,6 +17,9 @@ class BoardBench final : public Bench, private crn::Transport
     crn::Transport &pipe() override { return *this; }
     rt_engine &engine() { return *engine_; }
     RigPins &pins() { return pins_; }
+    // Puts bytes into the stream to the device, and takes those that have come from it; no time passes.
+    bool push(std::span<const std::uint8_t> bytes);
+    std::size_t take(std::span<std::uint8_t> bytes);
     // Throws with the model's report if a wait was never answered, or if there are findings.
     void check_report();
     // Throws if the processor has locked up, with the model's words.

@@ -1,4 +1,4 @@
-#include "hil_tests/rt1062/board_bench.hpp"
+#include "hil_tests/rt1062/bench/board_bench.hpp"
 #include "host/link/link.hpp"
 #include <cstdlib>
 #include <stdexcept>
@@ -101,6 +101,16 @@ crn_port_outputs BoardBench::restart()
     rt_stream_restarted(stream_);
     has_restarted_ = true;
     return pins_.outputs();
+}
+
+bool BoardBench::push(std::span<const std::uint8_t> bytes)
+{
+    return rt_stream_write(stream_, bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+}
+
+std::size_t BoardBench::take(std::span<std::uint8_t> bytes)
+{
+    return rt_stream_read(stream_, bytes.data(), static_cast<std::uint32_t>(bytes.size()));
 }
 
 // After a restart of the device, the next call throws once, and later calls reach the restarted device.

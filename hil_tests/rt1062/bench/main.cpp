@@ -4,13 +4,14 @@
 #include "hil_tests/cases/aorta_session.hpp"
 #include "hil_tests/cases/cases.hpp"
 #include "hil_tests/cases/conversation.hpp"
-#include "hil_tests/rt1062/board_bench.hpp"
-#include "hil_tests/rt1062/serve.hpp"
+#include "hil_tests/rt1062/bench/board_bench.hpp"
+#include "hil_tests/rt1062/bench/serve.hpp"
 #include "host/base/version.hpp"
 #include "host/link/sim_transport.hpp"
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <fstream>
 #include <functional>
 #include <string>
 #include <vector>
@@ -21,7 +22,7 @@ namespace
 using Clock = std::chrono::steady_clock;
 
 struct Options {
-    std::string image = "build/firmware/cournand-imxrt1062.elf", case_name;
+    std::string image = "build/firmware/cournand-imxrt1062.elf", case_name, figures;
     hil::AortaFiles files;
     std::uint32_t ticks_max = UINT32_MAX;
     double boot_ms = 1000;
@@ -71,6 +72,16 @@ void print_counts(const hil::AortaRun &run, const std::vector<double> &misses)
         hil::quantile_of(of_tick, 0.999), hil::quantile_of(of_tick, 1.0));
 }
 
+// The figures that tools/bars compares with their limits.
+void write_figures(const std::string &path, bool is_equal, double enumerated_s)
+{
+    if (path.empty()) return;
+    std::ofstream file(path);
+    file << "hil.rt1062_hash_differs\t" << (is_equal ? 0 : 1) << '\n'
+         << hil::text("hil.rt1062_enumerated_s\t%.2f\n", enumerated_s);
+    if (!file.flush()) throw std::runtime_error("cannot write " + path + ": check folder and disk");
+}
+
 int run_aorta(const Options &options)
 {
     std::printf("1..1\n");
@@ -79,6 +90,7 @@ int run_aorta(const Options &options)
     const Clock::time_point begin = Clock::now();
     hil::BoardLevel level(options.image);
     const auto bench = level.make({});
+    const double enumerated_s = seconds_since(begin);
     auto &board = dynamic_cast<hil::BoardBench &>(*bench);
     std::vector<double> misses; // at the begin and at the end of every tick
     const auto busy_cycles = [&] {
@@ -97,6 +109,7 @@ int run_aorta(const Options &options)
     if (options.counts) print_counts(run, misses);
     board.check_report();
     std::printf("# final hash %016llx\n", static_cast<unsigned long long>(run.hash));
+    write_figures(options.figures, is_equal, enumerated_s);
     return is_equal ? 0 : 1;
 }
 
@@ -165,6 +178,7 @@ int main(int argc, char **argv)
                  "With --aorta: one tick a request, and the cycles and cache misses of a tick");
     app.add_option("--aorta-ticks", options.ticks_max, "Only so many ticks of it");
     app.add_option("--scene", options.files.scene, "Scene of the aorta session")->capture_default_str();
+    app.add_option("--figures", options.figures, "With --aorta: a file for hash and time of enumeration");
     app.add_option(
         "command", options.command,
         "A command that runs beside the board in real time; {mailbox} becomes the place of its USB tokens");

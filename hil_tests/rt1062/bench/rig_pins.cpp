@@ -1,4 +1,4 @@
-#include "hil_tests/rt1062/rig_pins.hpp"
+#include "hil_tests/rt1062/bench/rig_pins.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -115,6 +115,8 @@ crn_port_outputs RigPins::outputs()
         const Motor &motor = motors[i];
         const bool is_routed = rt_pin_is_routed(&chip_, pin(RT_PIN_PWM0, i));
         double duty = is_routed ? rt_pwm_duty(&chip_, motor.module, motor.submodule, motor.is_b) : 0;
+        const rt_fault &fault = chip_.fault;
+        if (rt_fault_is(&fault, RT_FAULT_DUTY) && fault.address == i) duty = fault.set;
         if (rt_pin_level(&chip_, pin(RT_PIN_DIRECTION0, i))) duty = -duty;
         crn_port_motor &track = outputs.motors[i / 2];
         if (motor.is_b)
