@@ -91,6 +91,9 @@ class Level
     virtual ~Level() = default;
     virtual const char *name() const = 0;
     virtual std::unique_ptr<Bench> make(const PlantSettings &settings) = 0;
+    // Returns false if the encoders reach the device as edges on lines, of which only so many fit into a
+    // millisecond; a count that jumps cannot exist there.
+    virtual bool has_jumping_encoders() const { return true; }
 };
 
 } // namespace hil

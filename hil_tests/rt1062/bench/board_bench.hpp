@@ -56,6 +56,7 @@ class BoardLevel final : public Level
     explicit BoardLevel(const std::string &image) : image_(image) {}
     const char *name() const override { return "RT"; }
     std::unique_ptr<Bench> make(const PlantSettings &settings) override;
+    bool has_jumping_encoders() const override { return false; }
 
   private:
     std::string image_;

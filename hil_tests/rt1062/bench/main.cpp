@@ -119,10 +119,6 @@ struct Unfit {
 };
 constexpr Unfit unfit_cases[] = {
     {"a_free_run_closes_the_loop_as_at_level_0", "the board's force sensor has coarser counts than level 0"},
-    {"pedals_syringe_and_inflator_reach_the_host",
-     "the case inflates to 60 bar, and the board measures up to 41"},
-    {"every_fault_of_the_rig_is_safe_in_5_ms_and_latched",
-     "one of its faults turns an encoder by half a turn in a millisecond, which no input filter lets pass"},
 };
 
 const char *why_unfit(const char *name)

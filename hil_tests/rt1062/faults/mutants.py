@@ -13,7 +13,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
+import threading
 
 ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "../../.."))
 HEADERS = ["firmware/port/imxrt1062/imxrt1062_registers.h", "hil_tests/rt1062/registers.h"]
@@ -102,6 +102,8 @@ def mutants_of(registers, words):
     named, list_ = fields_by_address(), []
     for address, (width, reads, writes, ones, zeros, set_, cleared) in sorted(registers.items()):
         label, fields = named.get(address, (label_of(address), []))
+        if label.startswith("0x"):
+            continue  # a test asks for a register that the model does not have
         for field, (shift, bits) in fields or [("", (0, 8 * width))]:
             mask = ((1 << bits) - 1) << shift
             name = f"{label} {field}".strip()
@@ -128,21 +130,17 @@ def durations():
 
 
 def is_noticed(program, environment):
-    """Runs a program until its first failure."""
+    """Runs a program until its first failure. One that does not end has noticed something, too."""
     run = subprocess.Popen(program, cwd=ROOT, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                            text=True, errors="replace")
-    end = time.monotonic() + RUNS_MAX_s
+    timer = threading.Timer(RUNS_MAX_s, run.kill)
+    timer.start()
     for line in run.stdout:
-        if "FAILED" in line or line.startswith("not ok") or time.monotonic() > end:
+        if "FAILED" in line or line.startswith("not ok"):
             run.kill()
-            run.wait()
-            return True
-    try:
-        return run.wait(RUNS_MAX_s) != 0
-    except subprocess.TimeoutExpired:
-        run.kill()
-        run.wait()
-        return True
+            break
+    timer.cancel()
+    return run.wait() != 0
 
 
 def judge(mutant, programs, environment, survivors, lines):

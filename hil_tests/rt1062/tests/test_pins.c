@@ -449,6 +449,11 @@ static void fault_acts_on_each_output_as_its_map_says(void **state)
         assert_int_equal(rd16(chip, base, PWM_FSTS0), 0x110); /* the flag goes, the input stays */
         assert_true(has_duty(chip, i, 0));
         rt_pin_drive(chip, RT_PIN_FAULT, RT_HIGH, chip->now);
+        rt_pin_drive(chip, RT_PIN_FAULT, RT_LOW, chip->now);
+        rt_pin_drive(chip, RT_PIN_FAULT, RT_HIGH, chip->now);
+        wr16(chip, base, PWM_FSTS0, BITS(PWM_FSTS0_FFULL, 1)); /* a zero clears nothing */
+        assert_int_equal(rd16(chip, base, PWM_FSTS0), 0x11);
+        assert_true(has_duty(chip, i, 0));
         wr16(chip, base, PWM_FSTS0, clear);
         assert_int_equal(rd16(chip, base, PWM_FSTS0), 0x10);
         assert_true(has_duty(chip, i, duty));
