@@ -79,9 +79,11 @@ void copy_bodies(const Layer &layer, const Block &block, OfPixels &lengths)
         if (first + count + lane_count > layer.pixels) {
             std::copy_n(layer.bodies + first, count, to);
         } else {
-            for (int k = 0; k < count; k += lane_count)
+            for (int k = 0; k < count; k += lane_count) {
                 *reinterpret_cast<Lanes_i_anywhere *>(to + k) =
                     *reinterpret_cast<const Lanes_i_anywhere *>(layer.bodies + first + k);
+                asm volatile("" ::: "memory"); // keeps the compiler from calling memcpy after all
+            }
         }
         to += count;
     }
