@@ -5,14 +5,15 @@
 
 static void flip_memory(rt_engine *engine, const rt_fault *fault)
 {
-    uint32_t word;
-    uint8_t *memory = rt_engine_memory(engine, fault->address & ~3u);
+    uint32_t word, stack = fault->set != 0 ? rt_engine_register(engine, UC_ARM_REG_SP) : 0;
+    uint32_t address = (stack + fault->address) & ~3u;
+    uint8_t *memory = rt_engine_memory(engine, address);
     if (memory == NULL) return;
     memcpy(&word, memory, sizeof word);
     word ^= fault->flip;
     memcpy(memory, &word, sizeof word);
-    uint32_t begin = fault->address & ~0xfffu; /* translated code must be read anew */
-    if (fault->address < RT_DTCM_BEGIN) uc_ctl_remove_cache(engine->uc, begin, begin + 0x1000u);
+    uint32_t begin = address & ~0xfffu; /* translated code must be read anew */
+    if (address < RT_DTCM_BEGIN) uc_ctl_remove_cache(engine->uc, begin, begin + 0x1000u);
 }
 
 void rt_engine_strike(rt_engine *engine)

@@ -18,7 +18,7 @@ typedef enum rt_fault_kind {
     RT_FAULT_WRITE_LOST, /* a register takes no writes */
     RT_FAULT_BUS,        /* the processor's accesses to a peripheral end in a bus error */
     RT_FAULT_UPSET,      /* bits of a stored word (`address`: its number) flip */
-    RT_FAULT_MEMORY,     /* bits of a memory word flip */
+    RT_FAULT_MEMORY,     /* bits of a memory word flip; with `set`, so far above the stack pointer */
     RT_FAULT_EXCEPTION,  /* a memory behind the bus reports an error */
     RT_FAULT_INTERRUPT,  /* interrupt number `address` comes without a cause */
     RT_FAULT_NO_INTERRUPT,

@@ -39,6 +39,7 @@ struct BoneGroup {
     const char *name;
     Solid solid;
     double voxel_mm, error_mm, grain_mm;
+    double density = 1.0; // of its spongy bone, in parts of that of a lumbar vertebra; 0: nominal
 };
 
 /* Returns the distance function of one group of bones. Every bone of the group stays at least GAP_MM away
@@ -66,7 +67,8 @@ LocalDistance marrow_distance(const Solid &bone, double grain_mm, const Solid &b
     };
 }
 
-void add_bone(std::vector<Body> &bodies, const BoneGroup &group, const Solid &before, double scale)
+void add_bone(std::vector<Body> &bodies, const BoneGroup &group, const Solid &before,
+              const SkeletonShape &shape, double scale)
 {
     const std::string name = group.name;
     const Box where = grown(group.solid.bounds, 2.0);
@@ -78,7 +80,7 @@ void add_bone(std::vector<Body> &bodies, const BoneGroup &group, const Solid &be
                       {where, bone_distance(group.solid, before), voxel_mm, group.error_mm}});
     bodies.push_back(
         {name + "_marrow",
-         "trabecular_bone",
+         spongy_material(group.density, shape),
          name,
          {where, marrow_distance(group.solid, group.grain_mm, before), voxel_mm, group.error_mm}});
 }
@@ -135,15 +137,15 @@ std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &finenes
     const BoneGroup groups[] = {
         {"spine", spine_bones(shape), 1.6, BONE_ERROR_MM, GRAIN_MM},
         {"ribs", rib_bones(shape), 1.6, BONE_ERROR_MM, GRAIN_MM},
-        {"pelvis", pelvis_bones(shape), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
-        {"femurs", femur_bones(shape), 1.8, BONE_ERROR_MM, GRAIN_MM},
+        {"pelvis", pelvis_bones(shape), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM, 1.1},
+        {"femurs", femur_bones(shape), 1.8, BONE_ERROR_MM, GRAIN_MM, 1.6},
         {"shoulders", shoulder_bones(shape), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
-        {"head", head_bones(), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM},
+        {"head", head_bones(), 1.8, THIN_BONE_ERROR_MM, THIN_BONE_GRAIN_MM, 0.0},
         {"forearms", forearm_bones(shape), 1.8, BONE_ERROR_MM, GRAIN_MM}};
     Solid bones;
     std::vector<Body> skeleton;
     for (const BoneGroup &group : groups) {
-        add_bone(skeleton, group, bones, scale);
+        add_bone(skeleton, group, bones, shape, scale);
         bones.add(group.solid);
     }
     Solid hard = bones;

@@ -52,6 +52,12 @@ struct SkeletonShape {
  * age. */
 SkeletonShape usual_skeleton(Sex sex, double age_years);
 
+/* Returns the mean Hounsfield units of the spongy bone of L1. */
+double lumbar_hu(Sex sex, double age_years);
+/* Returns the name of the material of spongy bone that has `density` times the Hounsfield units of L1:
+ * "spongy_14" is 14 % of bone in yellow marrow. A density of 0 gives the nominal material. */
+std::string spongy_material(double density, const SkeletonShape &shape);
+
 /* How the left side of a vertebra differs from its mirror image; the right side differs by the opposite. */
 struct SideDifference {
     double pedicle_wider = 0.0;                                    // in parts of the pedicle's width

@@ -411,7 +411,7 @@ void check_bodies(const SceneText &scene)
 bool BodyText::is_trabecular() const
 {
     const std::set<std::string> spongy = {"bone_spongy", "trabecular_bone", "spongy", "marrow"};
-    return trabeculae && spongy.count(material) != 0;
+    return trabeculae && (spongy.count(material) != 0 || material.starts_with("spongy_"));
 }
 
 SceneText read_scene_text(const std::filesystem::path &file, const Folders &folders)

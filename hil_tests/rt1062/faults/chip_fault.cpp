@@ -9,7 +9,8 @@ namespace
 
 // A session that rests for longer than this has no other bar: the stage has switched off by itself.
 constexpr double long_us = 10000, host_long_us = 70000;
-constexpr std::uint32_t usb_horizon_ms = 80, dog_horizon_ms = 2700, used_encoder[2] = {0, 3};
+constexpr std::uint32_t usb_horizon_ms = 80, stack_used_bytes = 160, dog_horizon_ms = 2700,
+                        used_encoder[2] = {0, 3};
 
 class Draw
 {
@@ -270,9 +271,11 @@ void mem_data_any(Draw &draw)
     draw.memory("data", RT_DTCM_BEGIN, draw.survey().bss_end);
 }
 
+// The words in use lie above the stack pointer of the moment.
 void mem_stack(Draw &draw)
 {
-    draw.memory("stack", draw.survey().stack_top - 2048, draw.survey().stack_top);
+    draw.memory("stack, above its pointer,", 0, stack_used_bytes);
+    draw.fault().set = 1;
 }
 
 void mem_dma(Draw &draw)
@@ -528,7 +531,6 @@ ChipSurvey survey_of(rt_engine &engine, const rt_touched &touched)
     survey.data = touched_words(touched.data, RT_DTCM_BEGIN);
     survey.code_end = rt_engine_symbol(&engine, "code_end");
     survey.bss_end = rt_engine_symbol(&engine, "bss_end");
-    survey.stack_top = rt_engine_symbol(&engine, "stack_top");
     survey.dma_begin = rt_engine_symbol(&engine, "dma_begin");
     survey.dma_end = rt_engine_symbol(&engine, "dma_end");
     survey.scene_bytes = static_cast<std::uint32_t>(tube_scene().size());

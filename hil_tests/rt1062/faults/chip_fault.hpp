@@ -33,7 +33,7 @@ struct ChipSurvey {
     rt_census census{};
     std::vector<rt_word> words;
     std::vector<std::uint32_t> code, data; // words that the image executes, and reads
-    std::uint32_t code_end = 0, bss_end = 0, stack_top = 0, dma_begin = 0, dma_end = 0, scene_bytes = 0;
+    std::uint32_t code_end = 0, bss_end = 0, dma_begin = 0, dma_end = 0, scene_bytes = 0;
     std::uint64_t tokens = 0; // of the bus until the checkpoint
 };
 

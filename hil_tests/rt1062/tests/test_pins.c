@@ -400,6 +400,8 @@ static void every_motor_has_its_duty_when_it_is_on(void **state)
 {
     rt_chip *chip = *state;
     start_motors(chip);
+    assert_int_equal(rd16(chip, BASE_PWM2, PWM_MCTRL), 0xc00); /* both run, and no value waits */
+    assert_int_equal(rd16(chip, BASE_PWM3, PWM_MCTRL), 0x200);
     for (size_t i = 0; i < 6; i++) {
         uint32_t bit = 1u << motors[i].submodule, base = motors[i].base;
         assert_true(has_duty(chip, i, 0));

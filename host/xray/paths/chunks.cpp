@@ -1,5 +1,6 @@
 // Cuts the mesh of a body into chunks of neighbouring triangles, so that a chunk outside the picture can be
 // skipped as a whole.
+#include "host/xray/paths/materials.hpp"
 #include "host/xray/paths/meshes.hpp"
 #include "host/xray/paths/trabeculae.hpp"
 #include <algorithm>
@@ -60,7 +61,8 @@ void set_sphere_of_vertices(const BodyMeshes &meshes, MeshChunk &chunk)
 int channel_of(BodyMeshes &meshes, MeshChannel wanted)
 {
     for (std::size_t i = 0; i < meshes.channels.size(); ++i)
-        if (meshes.channels[i].own == wanted.own && meshes.channels[i].parent == wanted.parent)
+        if (meshes.channels[i].own == wanted.own && meshes.channels[i].parent == wanted.parent &&
+            meshes.channels[i].scale_q10 == wanted.scale_q10)
             return static_cast<int>(i);
     meshes.channels.push_back(wanted);
     return static_cast<int>(meshes.channels.size()) - 1;
@@ -76,7 +78,9 @@ void set_sphere(MeshChunk &chunk, const Eigen::Vector3f &low_um, const Eigen::Ve
 
 void append_body(BodyMeshes &meshes, const Body &body, int own, int parent)
 {
-    const int channel = channel_of(meshes, {own, parent});
+    const bool is_in_bone = parent == static_cast<int>(Material::bone_cortical);
+    const int channel =
+        channel_of(meshes, {own, parent, is_in_bone ? spongy_scale_q10(body.material) : 1024});
     const int index = static_cast<int>(meshes.channel_of_body.size());
     meshes.channel_of_body.push_back(channel);
     meshes.vertex_counts.push_back(body.vertices_um.size());

@@ -37,6 +37,12 @@ std::string_view material_name(Material material);
 // (iohexol_350), steel_304 (steel).
 std::optional<Material> material_from_name(std::string_view name);
 
+// Bodies of spongy bone may state how much of their volume is bone: "spongy_14" has 14 %, the rest is yellow
+// marrow. The material is bone_spongy, which has 19.5 %; the difference is a share of the bone around it, in
+// place of marrow. So the lengths in such a body are multiplied by this factor, in 1/1024: those added to
+// bone_spongy, and those taken from the bone around it. Returns 1024 for every other name.
+int spongy_scale_q10(std::string_view name);
+
 // Returns all accepted names of materials, separated by commas, for error messages.
 std::string material_names();
 

@@ -13,11 +13,12 @@ namespace crn
 {
 
 // A channel is one picture of depth sums: all bodies of the same material that lie in bodies of the same
-// other material share a channel. The sums of a channel are added to the path lengths in the bodies' own
-// material, and subtracted from those in the surrounding material (the parent).
+// other material share a channel, if they have the same density. The sums of a channel are added to the path
+// lengths in the bodies' own material, and subtracted from those in the surrounding material (the parent).
 struct MeshChannel {
-    int own = 0;     // material
-    int parent = -1; // material, -1: air
+    int own = 0;          // material
+    int parent = -1;      // material, -1: air
+    int scale_q10 = 1024; // of its sums, for spongy bone of another density (materials.hpp)
 };
 
 // A chunk consists of about a hundred neighbouring triangles and the vertices that they use.
@@ -51,7 +52,8 @@ void set_sphere(MeshChunk &chunk, const Eigen::Vector3f &low_um, const Eigen::Ve
 
 // Cuts one body into chunks of neighbouring triangles, and appends it to the meshes. `own` is the material of
 // the body, and `parent` is the material around it; a parent of -1 is air. A body of its parent's material
-// gets no texture, because it does not show.
+// gets no texture, because it does not show. Spongy bone in cortical bone has the density that its material's
+// name states.
 void append_body(BodyMeshes &meshes, const Body &body, int own, int parent);
 
 // Replaces the vertices of a body, which keep their places in the texture, by the same number of new

@@ -154,6 +154,14 @@ void finish_row(const View &view, int row, int begin, int end, std::int32_t *lin
     }
 }
 
+// Multiplies depth sums by a factor in 1/1024, and rounds to nearest. Whole and broken millimetres are
+// multiplied separately, so that nothing overflows.
+CRN_WIDE void scale_sums(int scale_q10, int count, std::int32_t *sums)
+{
+    for (int i = 0; i < count; ++i)
+        sums[i] = (sums[i] >> 10) * scale_q10 + (((sums[i] & 1023) * scale_q10 + 512) >> 10);
+}
+
 RasterPaths::RasterPaths(const BodyMeshes &meshes, int threads)
     : meshes_(&meshes), vertices_(meshes), threads_(threads), tiles_(threads)
 {
@@ -220,6 +228,13 @@ void RasterPaths::sum_tile(const Camera &camera, Tile &tile) const
     for (const std::uint32_t i : tile.chunks)
         raster.add(i, tile.sums.data() + meshes_->chunks[i].channel * tile_ints);
     raster.finish();
+    for (std::size_t channel = 0; channel < tile.rows.size(); ++channel) {
+        const int scale_q10 = meshes_->channels[channel].scale_q10;
+        const RowRange &rows = tile.rows[channel];
+        if (scale_q10 != 1024)
+            scale_sums(scale_q10, (rows.end - rows.begin) * tile_stride,
+                       tile.sums.data() + channel * tile_ints + rows.begin * tile_stride);
+    }
 }
 
 // Lists the sums that make up a material's path lengths in a row, and reduces `end` to the first row for

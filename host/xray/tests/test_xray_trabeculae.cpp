@@ -1,5 +1,6 @@
 // The texture of spongy bone is shown to be fixed to the bone, without a mean, and as fine and as long as
 // docs/xray.md, "Trabeculae", states.
+#include "host/xray/attenuation.hpp"
 #include "host/xray/gl/gl_headless.hpp"
 #include "host/xray/gl/gl_paths.hpp"
 #include "host/xray/paths/raster_paths.hpp"
@@ -26,11 +27,12 @@ struct Bone {
     BodyMeshes meshes;
     std::vector<Eigen::Vector3i> marrow_um;
 
-    explicit Bone(bool is_trabecular)
+    explicit Bone(bool is_trabecular, const char *material = "trabecular_bone")
     {
         const Body bone = box_body("bone", "", -1, {-.022, -.022, -.017}, {.022, .022, .017});
         Body marrow = grid_box(Vector3d(.02, .02, .015), 16);
         marrow.is_trabecular = is_trabecular;
+        marrow.material = material;
         marrow_um = marrow.vertices_um;
         append_body(meshes, bone, cortical, -1);
         append_body(meshes, marrow, spongy, cortical);
@@ -146,6 +148,60 @@ void texture_moves_length_from_marrow_to_bone_and_has_no_mean(void **)
     std::printf("# mean length in marrow: %.5f of that without texture\n", rough_sum / smooth_sum);
     assert_int_equal(wrong, 0); // 2/1024 mm: two lengths are rounded
     assert_true(std::fabs(rough_sum / smooth_sum - 1.0) < 0.005);
+}
+
+// Spongy bone of 10 % counts (1 - 0.10) / (1 - 0.195) times its length, and the bone around it the rest.
+void density_moves_length_between_spongy_bone_and_the_bone_around_it(void **)
+{
+    const View view = fine_view(20.0);
+    const Bone sparse(false, "spongy_10");
+    const PathPictures nominal = draw(Bone(false), view), raster = draw(sparse, view);
+    GlPaths opengl(
+        sparse.meshes, [] { return open_headless(GlLibrary::osmesa); }, 2);
+    const PathPictures drawn = draw(opengl, view);
+    constexpr double factor = 0.90 / 0.805;
+    int count = 0, wrong = 0, off = 0;
+    for (std::size_t i = 0; i < nominal[spongy].size(); ++i) {
+        if (nominal[spongy][i] < 5 * 1024) continue;
+        ++count;
+        const double wanted = factor * nominal[spongy][i];
+        const int whole = nominal[spongy][i] + nominal[cortical][i];
+        // The factor is rounded to 1/1024 and two lengths to 1/1024 mm: 0.03 mm of 40 mm.
+        wrong += std::abs(raster[spongy][i] - wanted) > 0.03 * 1024.0;
+        wrong += std::abs(raster[spongy][i] + raster[cortical][i] - whole) > 2;
+        off += std::abs(drawn[spongy][i] - raster[spongy][i]) > 0.05 * 1024.0;
+    }
+    assert_true(count > 50000);
+    assert_int_equal(wrong, 0);
+    assert_true(off * 80 <= count);
+}
+
+// What is drawn is a mixture of yellow marrow and compact bone. The marrow of the nominal material, whose
+// parts are stated by mass, is 3 % denser than adipose tissue. So up to 3.5 % are measured, for sparse bone.
+void spongy_bone_of_a_density_attenuates_like_its_mixture(void **)
+{
+    const auto per_cm = [](Material material, int keV) {
+        return static_cast<double>(attenuation_per_cm[static_cast<int>(material)][keV - 15]);
+    };
+    for (const int percent : {5, 14, 26})
+        for (const int keV : {30, 50, 70, 100}) {
+            const double share = 0.01 * percent;
+            const double factor = spongy_scale_q10("spongy_" + std::to_string(percent)) / 1024.0;
+            const double bone = per_cm(Material::bone_cortical, keV);
+            const double drawn = factor * per_cm(Material::bone_spongy, keV) + (1.0 - factor) * bone;
+            const double wanted = (1.0 - share) * per_cm(Material::adipose, keV) + share * bone;
+            std::printf("# %d %% at %d keV: %.4f of %.4f per cm\n", percent, keV, drawn, wanted);
+            assert_true(std::fabs(drawn / wanted - 1.0) < 0.05);
+        }
+}
+
+void names_of_densities_are_read_and_others_refused(void **)
+{
+    for (const char *name : {"spongy_1", "spongy_14", "spongy_60"})
+        assert_true(material_from_name(name) == Material::bone_spongy);
+    for (const char *name : {"spongy_", "spongy_0", "spongy_07", "spongy_61", "spongy_1x", "spongy_100"})
+        assert_false(material_from_name(name).has_value());
+    assert_int_equal(spongy_scale_q10("trabecular_bone"), 1024);
 }
 
 void every_number_of_threads_draws_the_same_texture(void **)
@@ -290,6 +346,9 @@ int main()
 {
     const CMUnitTest tests[] = {
         cmocka_unit_test(texture_moves_length_from_marrow_to_bone_and_has_no_mean),
+        cmocka_unit_test(density_moves_length_between_spongy_bone_and_the_bone_around_it),
+        cmocka_unit_test(spongy_bone_of_a_density_attenuates_like_its_mixture),
+        cmocka_unit_test(names_of_densities_are_read_and_others_refused),
         cmocka_unit_test(every_number_of_threads_draws_the_same_texture),
         cmocka_unit_test(every_compiler_draws_the_same_texture),
         cmocka_unit_test(opengl_draws_the_same_texture),

@@ -176,6 +176,22 @@ void the_sides_of_a_spine_differ_from_person_to_person(void **)
         if (most_mm < 0.3 || most_mm > 8.0) fail_msg("%.3f mm", most_mm);
 }
 
+// Jang 2019: 226 +- 44 HU below 30 years, 89 +- 38 HU from 90 years on; women have more until the menopause.
+void spongy_bone_becomes_sparse_with_age_and_differs_by_bone(void **)
+{
+    assert_true(std::abs(lumbar_hu(Sex::man, 25) - 226.0) < 1e-9);
+    assert_true(std::abs(lumbar_hu(Sex::man, 90) - 89.0) < 19.0); // half of a standard deviation
+    assert_true(lumbar_hu(Sex::woman, 40) > lumbar_hu(Sex::man, 40));
+    assert_true(lumbar_hu(Sex::woman, 70) < lumbar_hu(Sex::man, 70) - 10.0);
+    SkeletonShape shape; // a man of 60 years
+    assert_string_equal(spongy_material(1.0, shape).c_str(), "spongy_14");
+    assert_string_equal(spongy_material(0.0, shape).c_str(), "trabecular_bone");
+    shape.sex = Sex::woman;
+    shape.age_years = 85;
+    assert_string_equal(spongy_material(1.0, shape).c_str(), "spongy_10");
+    assert_string_equal(spongy_material(1.6, shape).c_str(), "spongy_12");
+}
+
 } // namespace
 
 int main()
@@ -190,6 +206,7 @@ int main()
         cmocka_unit_test(a_womans_kyphosis_grows_with_her_age),
         cmocka_unit_test(what_moved_with_the_spine_is_found_again),
         cmocka_unit_test(the_sides_of_a_spine_differ_from_person_to_person),
+        cmocka_unit_test(spongy_bone_becomes_sparse_with_age_and_differs_by_bone),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

@@ -34,7 +34,9 @@ std::int16_t hu_of(const bake::BodyText &body)
         {"cortical_bone", 1200}, {"steel", 3071}, {"polymer", 100}};
     const auto organ = organs.find(body.name);
     if (organ != organs.end()) return organ->second;
-    const auto material = materials.find(body.material);
+    // The CT keeps the nominal density of spongy bone, for which its figures were measured.
+    const bool is_spongy = body.material.rfind("spongy_", 0) == 0;
+    const auto material = materials.find(is_spongy ? "trabecular_bone" : body.material);
     if (material == materials.end())
         throw Fault(body.name + ": no HU are known of the material '" + body.material +
                     "': take a folder that `anatomy person` has made");
