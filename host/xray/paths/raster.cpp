@@ -69,11 +69,11 @@ CRN_WIDE bool project_corners(const Camera &camera, const float *x_um, const flo
     return is_far == 0;
 }
 
-// Returns the four numbers of a corner: x, y, the bits of 1/depth, and 0.
-inline __attribute__((always_inline)) const Four_i_anywhere &numbers_of(const Corner &corner)
+// Reads the four numbers of a corner: x, y, the bits of 1/depth, and 0.
+inline __attribute__((always_inline)) void read_numbers(const Corner &corner, Four_i &numbers)
 {
-    static_assert(sizeof(Corner) == sizeof(Four_i_anywhere));
-    return *reinterpret_cast<const Four_i_anywhere *>(&corner.x);
+    static_assert(sizeof(Corner) == sizeof(Four_i));
+    numbers = *reinterpret_cast<const Four_i_anywhere *>(&corner.x);
 }
 
 // Keeps the triangles whose bounding box contains the middle of a pixel in `rect`, together with those
@@ -88,8 +88,10 @@ CRN_WIDE void keep_triangles(const std::array<std::uint16_t, 3> *triangles, std:
     std::uint32_t kept_count = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
         const auto [first_corner, second_corner, third_corner] = triangles[i];
-        const Four_i a = numbers_of(corners[first_corner]), b = numbers_of(corners[second_corner]),
-                     c = numbers_of(corners[third_corner]);
+        Four_i a, b, c;
+        read_numbers(corners[first_corner], a);
+        read_numbers(corners[second_corner], b);
+        read_numbers(corners[third_corner], c);
         Four_i low = a < b ? a : b, high = a > b ? a : b;
         low = low < c ? low : c;
         high = high > c ? high : c;

@@ -37,9 +37,10 @@ inline std::int32_t lengthened(std::int32_t sum, float oblique)
     return static_cast<std::int32_t>(length > 0.0f ? length : 0.0f);
 }
 
-inline __attribute__((always_inline)) const Lanes_i_anywhere &lanes_at(const std::int32_t *from)
+// A reference to such lanes must not be returned: clang would forget that they are not aligned.
+inline __attribute__((always_inline)) void read_lanes(const std::int32_t *from, Lanes_i &to)
 {
-    return *reinterpret_cast<const Lanes_i_anywhere *>(from);
+    to = *reinterpret_cast<const Lanes_i_anywhere *>(from);
 }
 
 // Adds depth sums from column x on, for `vectors` times eight columns, and converts the result to lengths
@@ -48,13 +49,19 @@ template <int vectors, bool has_still, bool is_long>
 inline __attribute__((always_inline)) void resolve_columns(const DepthSums &sums, const std::int32_t *still,
                                                            const float *oblique, int x, std::int32_t *to)
 {
-    Lanes_i sum[vectors];
-    for (int k = 0; k < vectors; ++k)
-        sum[k] = has_still ? lanes_at(still + x + k * lane_count) : Lanes_i_anywhere{};
+    Lanes_i sum[vectors] = {}, more;
+    if constexpr (has_still)
+        for (int k = 0; k < vectors; ++k) read_lanes(still + x + k * lane_count, sum[k]);
     for (const std::int32_t *from : sums.added)
-        for (int k = 0; k < vectors; ++k) sum[k] += lanes_at(from + sums.offset + x + k * lane_count);
+        for (int k = 0; k < vectors; ++k) {
+            read_lanes(from + sums.offset + x + k * lane_count, more);
+            sum[k] += more;
+        }
     for (const std::int32_t *from : sums.subtracted)
-        for (int k = 0; k < vectors; ++k) sum[k] -= lanes_at(from + sums.offset + x + k * lane_count);
+        for (int k = 0; k < vectors; ++k) {
+            read_lanes(from + sums.offset + x + k * lane_count, more);
+            sum[k] -= more;
+        }
     for (int k = 0; k < vectors; ++k) {
         if constexpr (is_long) {
             const Lanes_f factor = *reinterpret_cast<const Lanes_f_anywhere *>(oblique + x + k * lane_count);
@@ -260,7 +267,7 @@ void RasterPaths::resolve_rows(const Task &task, const Tile &tile, int material,
         if (row == end) list_sums(tile, material, row, end = rows.end, sums);
         sums.offset = row * tile_stride;
         const std::size_t begin = static_cast<std::size_t>(tile.rect.y0 + row) * size + tile.rect.x0;
-        const float *oblique = tile.oblique.data() + row * tile_columns;
+        const float *oblique = tile.oblique.empty() ? nullptr : tile.oblique.data() + row * tile_columns;
         std::int32_t *to = task.pictures[material].data() + begin;
         if (task.still)
             lengthen_rows_on(sums, (*task.still)[material].data() + begin, oblique, columns, to);
