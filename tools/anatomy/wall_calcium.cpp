@@ -55,6 +55,7 @@ std::vector<Plaque> wall_plaques(const VesselTree &tree, const SoftShape &shape)
             if (numbers.next() < likelihood(curve[i].position_mm, is_aorta))
                 places.push_back({curve[i].position_mm, curve_tangent(curve, i), curve[i].radius_mm});
     }
+    const Solid lumen = tree_solid(tree, 0.0);
     std::vector<Plaque> plaques;
     const int count = static_cast<int>(std::lround(PLAQUES_MOST * shape.wall_calcium));
     for (int k = 0; k < count && !places.empty(); k++) {
@@ -68,7 +69,8 @@ std::vector<Plaque> wall_plaques(const VesselTree &tree, const SoftShape &shape)
         plaque.half_axes_mm = {half, std::min(0.45 * at.radius_mm, numbers.between(1.5, 4.5)),
                                0.5 * numbers.between(3.0, LENGTH_MOST_MM)};
         plaque.centre_mm = at.centre + (at.radius_mm + OFF_LUMEN_MM + half) * out;
-        plaques.push_back(plaque);
+        // Where vessels meet, the wall of one may run inside another one.
+        if (lumen.distance(plaque.centre_mm) > 0.0) plaques.push_back(plaque);
     }
     return plaques;
 }
