@@ -190,7 +190,7 @@ def check_progress(report, folder):
     cases = {
         "cournand": ["cournand", "run", "--session", "free_space"] + TOOL,
         "anatomy": ["anatomy", "phantom", "--no-bodies", "--lumen-mm", "2", "-o", "phantom"],
-        "bake": ["bake", "phantom/scene.toml", "-o", "phantom.scene"],
+        "bake": ["bake", "phantom/scene.toml", "-o", "phantom.scene", "--points", "1000000"],  # else too fast to show any
         "centreline": ["centreline", "auto", "phantom/scene.toml", "-o", "phantom.csv"],
     }
     for name, words in cases.items():
