@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NO_GATE = 0xff, SPACE_BYTES = 0x4000, INTERRUPT_PIT = 122, PRIVATE_BYTES = 0x100000 };
+enum { NO_GATE = 0xff, SPACE_BYTES = 0x4000, PRIVATE_BYTES = 0x100000 };
 #define PRIVATE_BEGIN 0xe0000000u
 
 typedef uint32_t reader(rt_chip *chip, uint32_t offset);
@@ -180,8 +180,8 @@ int rt_chip_interrupt(rt_chip *chip)
 {
     if (rt_fault_is(&chip->fault, RT_FAULT_INTERRUPT)) return (int)chip->fault.address;
     if (rt_fault_is(&chip->fault, RT_FAULT_NO_INTERRUPT)) return -1;
-    bool is_enabled = (chip->core.enabled[INTERRUPT_PIT / 32] >> INTERRUPT_PIT % 32 & 1u) != 0;
-    return is_enabled && rt_pit_interrupts(chip) ? INTERRUPT_PIT : -1;
+    bool is_enabled = (chip->core.enabled[RT_INTERRUPT_PIT / 32] >> RT_INTERRUPT_PIT % 32 & 1u) != 0;
+    return is_enabled && rt_pit_interrupts(chip) ? RT_INTERRUPT_PIT : -1;
 }
 
 void rt_chip_pass_us(rt_chip *chip, double us)

@@ -27,6 +27,7 @@ enum {
     RT_FLASH_BYTES = 8 << 20,
     RT_PSRAM_BYTES = 8 << 20,
     RT_CONSOLE_BYTES = 4096,
+    RT_INTERRUPT_PIT = 122, /* of the millisecond timer */
 };
 
 #define RT_FLASH_BEGIN 0x60000000u

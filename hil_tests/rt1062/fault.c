@@ -16,7 +16,7 @@ static bool is_of_engine(rt_fault_kind kind)
 }
 
 /* --- begin and end --- */
-static void flip(const rt_word *word, uint32_t bits)
+void rt_word_flip(const rt_word *word, uint32_t bits)
 {
     uint32_t value = 0;
     memcpy(&value, word->at, word->bytes);
@@ -29,7 +29,7 @@ static void upset(rt_chip *chip, const rt_fault *fault)
     static rt_word words[RT_WORDS_MAX];
     uint32_t count = rt_fault_words(chip, words);
     const rt_word *word = &words[fault->address % count];
-    flip(word, fault->flip);
+    rt_word_flip(word, fault->flip);
     if (word->is_clock) rt_clocks_upset(chip);
     if (word->is_map) chip->is_map_changed = true;
     rt_pwm_fault(chip);

@@ -61,6 +61,7 @@ typedef struct rt_word {
 } rt_word;
 enum { RT_WORDS_MAX = 512 };
 uint32_t rt_fault_words(struct rt_chip *chip, rt_word words[RT_WORDS_MAX]);
+void rt_word_flip(const rt_word *word, uint32_t bits);
 
 void rt_fault_set(struct rt_chip *chip, const rt_fault *fault);
 static inline bool rt_fault_is(const rt_fault *fault, rt_fault_kind kind)

@@ -1,7 +1,6 @@
 #include "hil_tests/rt1062/chip.h"
 #include <inttypes.h>
 #include <stdlib.h>
-#include <string.h>
 
 void rt_mutant_take(rt_chip *chip)
 {
@@ -26,12 +25,7 @@ void rt_mutant_reset(rt_chip *chip)
     static rt_word words[RT_WORDS_MAX];
     const rt_mutant *mutant = &chip->mutant;
     if (mutant->kind != RT_MUTANT_RESET) return;
-    uint32_t count = rt_fault_words(chip, words), value = 0;
-    const rt_word *word = &words[mutant->address];
-    if (mutant->address >= count) return;
-    memcpy(&value, word->at, word->bytes);
-    value ^= mask_of(mutant);
-    memcpy(word->at, &value, word->bytes);
+    if (mutant->address < rt_fault_words(chip, words)) rt_word_flip(&words[mutant->address], mask_of(mutant));
 }
 
 static uint32_t changed(const rt_mutant *mutant, uint32_t value, int how)

@@ -132,7 +132,7 @@ void find_thickest(const FlowCells &cells, std::span<const ToolBall> balls, std:
 {
     tool_mm.assign(cells.size(), 0.0);
     if (tool_mm.empty()) return;
-    std::size_t cell = balls.empty() ? 0 : cells.nearest(balls.front().place_m);
+    std::size_t cell = 0; // a guess
     for (const ToolBall &ball : balls) {
         cell = cells.nearest(ball.place_m, cell);
         double &thickest = tool_mm[cell];

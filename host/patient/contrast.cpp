@@ -543,7 +543,7 @@ void PatientContrast::make_curves_of(std::size_t branch, bool is_core)
 void PatientContrast::colour(WireFrame &wire) const
 {
     if (curves_.empty()) return;
-    std::size_t cell = wire.nodes.empty() ? 0 : flow_.cells().nearest(wire.nodes.front().position_m);
+    std::size_t cell = 0; // a guess
     for (WireNode &node : wire.nodes) {
         cell = flow_.cells().nearest(node.position_m, cell);
         node.contrast_mg_per_ml = flow_.iodine_mg_per_ml(cell);

@@ -98,6 +98,18 @@ Curve sample_curve(const std::vector<Vec3> &points, const std::vector<double> &r
     return curve;
 }
 
+void round_corners(Curve &course, int passes)
+{
+    for (int pass = 0; pass < passes; pass++) {
+        Vec3 before = course.front().position_mm;
+        for (size_t i = 1; i + 1 < course.size(); i++) {
+            const Vec3 here = course[i].position_mm;
+            course[i].position_mm = 0.25 * before + 0.5 * here + 0.25 * course[i + 1].position_mm;
+            before = here;
+        }
+    }
+}
+
 Vec3 curve_tangent(const Curve &curve, size_t index)
 {
     const size_t before = index > 0 ? index - 1 : 0, after = std::min(index + 1, curve.size() - 1);

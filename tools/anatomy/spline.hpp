@@ -63,6 +63,9 @@ Course course_over_height(const Level (&levels)[N], double Level::*column)
  * one of the samples. */
 Curve sample_curve(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double step_mm);
 
+/* Rounds the corners of a course `passes` times; its ends stay. */
+void round_corners(Curve &course, int passes);
+
 /* Returns the unit tangent of a sampled curve at one of its samples. */
 Vec3 curve_tangent(const Curve &curve, size_t index);
 

@@ -5,6 +5,7 @@
 #include "tools/bake/fault.hpp"
 #include "tools/bake/solid.hpp"
 #include "tools/mesh/simplify.hpp"
+#include "tools/mesh/spread.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -18,17 +19,6 @@ namespace crn::bake
 namespace
 {
 
-// Returns numbers that are spread evenly from 0 to 1 without randomness (van der Corput's sequence).
-double spread(std::size_t index, std::size_t base)
-{
-    double value = 0, share = 1;
-    for (; index > 0; index /= base) {
-        share /= static_cast<double>(base);
-        value += share * static_cast<double>(index % base);
-    }
-    return value;
-}
-
 // Returns all vertices of the mesh, and `count` further points that are spread evenly by area over its
 // surface.
 std::vector<Eigen::Vector3d> sample(const Mesh &mesh, std::size_t count)
@@ -41,10 +31,10 @@ std::vector<Eigen::Vector3d> sample(const Mesh &mesh, std::size_t count)
         sums.push_back((sums.empty() ? 0 : sums.back()) + area);
     }
     for (std::size_t i = 1; i <= count; ++i) {
-        const auto at = std::lower_bound(sums.begin(), sums.end(), spread(i, 2) * sums.back());
+        const auto at = std::lower_bound(sums.begin(), sums.end(), mesh::spread(i, 2) * sums.back());
         const Triangle &t = mesh.triangles[std::min<std::size_t>(static_cast<std::size_t>(at - sums.begin()),
                                                                  sums.size() - 1)];
-        double u = spread(i, 3), v = spread(i, 5);
+        double u = mesh::spread(i, 3), v = mesh::spread(i, 5);
         if (u + v > 1) {
             u = 1 - u;
             v = 1 - v;

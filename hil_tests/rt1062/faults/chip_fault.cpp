@@ -12,6 +12,12 @@ constexpr double long_us = 10000, host_long_us = 70000;
 constexpr std::uint32_t usb_horizon_ms = 80, stack_used_bytes = 160, dog_horizon_ms = 2700,
                         used_encoder[2] = {0, 3};
 
+bool is_motor_register(std::uint32_t address)
+{
+    const std::uint32_t base = address & ~0x3fffu;
+    return base == BASE_PWM2 || base == BASE_PWM3 || base == BASE_GPIO3;
+}
+
 class Draw
 {
   public:
@@ -65,6 +71,14 @@ class Draw
             return one.address;
         }
     }
+    // Places the fault at a register, and returns the bits within its width.
+    std::uint32_t take_register(bool is_written)
+    {
+        std::uint32_t mask = 0;
+        fault_.address = pick_register(is_written, mask);
+        drawn_.is_of_motor = is_motor_register(fault_.address);
+        return mask;
+    }
     void bits_of(std::uint32_t mask)
     {
         std::uint32_t bits = some_bits();
@@ -101,52 +115,36 @@ class Draw
     double lasts_us_ = 0;
 };
 
-bool is_motor_register(std::uint32_t address)
-{
-    const std::uint32_t base = address & ~0x3fffu;
-    return base == BASE_PWM2 || base == BASE_PWM3 || base == BASE_GPIO3;
-}
-
 // --- registers ---
 
 void reg_read(Draw &draw)
 {
-    std::uint32_t mask = 0;
     draw.lasts_any();
-    draw.fault().address = draw.pick_register(false, mask);
-    draw.bits_of(mask);
-    draw.drawn().is_of_motor = is_motor_register(draw.fault().address);
+    draw.bits_of(draw.take_register(false));
 }
 
 void reg_frozen(Draw &draw)
 {
-    std::uint32_t mask = 0;
     draw.lasts_any();
-    draw.fault().address = draw.pick_register(false, mask);
+    draw.take_register(false);
     draw.fault().kind = RT_FAULT_FROZEN;
     draw.says(text("0x%08x is frozen", draw.fault().address));
-    draw.drawn().is_of_motor = is_motor_register(draw.fault().address);
 }
 
 void reg_write(Draw &draw)
 {
-    std::uint32_t mask = 0;
     draw.lasts_any();
-    draw.fault().address = draw.pick_register(true, mask);
-    draw.bits_of(mask);
+    draw.bits_of(draw.take_register(true));
     draw.fault().kind = RT_FAULT_WRITE;
     draw.drawn().what += " as written";
-    draw.drawn().is_of_motor = is_motor_register(draw.fault().address);
 }
 
 void reg_write_lost(Draw &draw)
 {
-    std::uint32_t mask = 0;
     draw.lasts_any();
-    draw.fault().address = draw.pick_register(true, mask);
+    draw.take_register(true);
     draw.fault().kind = RT_FAULT_WRITE_LOST;
     draw.says(text("0x%08x takes no writes", draw.fault().address));
-    draw.drawn().is_of_motor = is_motor_register(draw.fault().address);
 }
 
 void upset(Draw &draw, bool of_clocks)
@@ -195,7 +193,7 @@ void no_interrupt(Draw &draw)
 void more_ticks(Draw &draw)
 {
     draw.fault().kind = RT_FAULT_INTERRUPT;
-    draw.fault().address = 122;
+    draw.fault().address = RT_INTERRUPT_PIT;
     draw.says("the tick's interrupt comes once more");
 }
 
@@ -203,7 +201,7 @@ void unexpected_interrupt(Draw &draw)
 {
     draw.fault().kind = RT_FAULT_INTERRUPT;
     do draw.fault().address = draw.below(160);
-    while (draw.fault().address == 122);
+    while (draw.fault().address == RT_INTERRUPT_PIT);
     draw.says(text("interrupt %u comes", draw.fault().address));
     draw.must(Must::power_off, SafeClass::processor);
 }

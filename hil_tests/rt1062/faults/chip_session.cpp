@@ -14,7 +14,7 @@ namespace
 {
 
 constexpr std::uint32_t host_every_ms = 8, checkpoints = 4, first_checkpoint_ms = 32, between_ms = 32,
-                        still_ms = 15, strike_max_ms = 120, child_max_s = 120;
+                        still_ms = 15, strike_max_ms = 120, undisturbed_ms = 90, child_max_s = 120;
 constexpr double hand_m_per_s = 0.1, hand_rad_per_s = 3.0;
 // A force that was not asked for: what docs/faults.md lets the device take for one, and for how long.
 constexpr double strange_N = 1.0, strange_share = 0.25, strange_ms = 12;
@@ -68,11 +68,7 @@ class ChipSession
     {
         chip()->census = &census;
         rt_engine_watch(&bench_.engine(), &touched);
-        while (ms_ < ms) {
-            if (ms_ % host_every_ms == 0) talk();
-            bench_.advance(1);
-            ms_++;
-        }
+        while (ms_ < ms) step();
         chip()->census = nullptr;
         rt_engine_watch(&bench_.engine(), nullptr);
     }
@@ -247,13 +243,13 @@ ChipOutcome ChipSession::judge(const ChipFault &drawn, const std::vector<double>
 
 // --- copies of the process ---
 
-struct Child {
+struct Copy {
     pid_t process;
     int pipe;
-    ChipFault fault;
 };
 
-Child begin_child(ChipSession &session, const ChipFault &fault, const std::vector<double> &undisturbed)
+// Begins a copy of this process that calls send(end of the pipe) and ends; send returns whether all was sent.
+template <class Send> Copy begin_copy(const Send &send)
 {
     int ends[2];
     if (pipe(ends) != 0) throw std::runtime_error("no pipe to a copy of the process");
@@ -262,32 +258,67 @@ Child begin_child(ChipSession &session, const ChipFault &fault, const std::vecto
     if (process < 0) throw std::runtime_error("no copy of the process");
     if (process > 0) {
         close(ends[1]);
-        return {process, ends[0], fault};
+        return {process, ends[0]};
     }
     alarm(child_max_s); // a model that hangs is killed, which is a failure
-    ChipOutcome outcome;
-    const auto begin = std::chrono::steady_clock::now();
-    try {
-        outcome = session.judge(fault, undisturbed);
-    } catch (const std::exception &error) {
-        std::strncpy(outcome.failure, error.what(), sizeof outcome.failure - 1);
-    }
-    outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    const bool is_sent = write(ends[1], &outcome, sizeof outcome) == sizeof outcome;
-    _exit(is_sent ? 0 : 1);
+    _exit(send(ends[1]) ? 0 : 1);
+}
+
+// Waits for what the copy sends. Returns false if it has ended before.
+bool end_copy(const Copy &copy, void *to, std::size_t bytes)
+{
+    const bool is_whole = read(copy.pipe, to, bytes) == static_cast<ssize_t>(bytes);
+    close(copy.pipe);
+    waitpid(copy.process, nullptr, 0);
+    return is_whole;
+}
+
+bool is_sent(int to, const void *from, std::size_t bytes)
+{
+    return write(to, from, bytes) == static_cast<ssize_t>(bytes);
+}
+
+struct Child {
+    Copy copy;
+    ChipFault fault;
+};
+
+Child begin_child(ChipSession &session, const ChipFault &fault, const std::vector<double> &undisturbed)
+{
+    const Copy copy = begin_copy([&](int to) {
+        ChipOutcome outcome;
+        const auto begin = std::chrono::steady_clock::now();
+        try {
+            outcome = session.judge(fault, undisturbed);
+        } catch (const std::exception &error) {
+            std::strncpy(outcome.failure, error.what(), sizeof outcome.failure - 1);
+        }
+        outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        return is_sent(to, &outcome, sizeof outcome);
+    });
+    return {copy, fault};
 }
 
 void end_child(const Child &child, const ChipFaultDone &done)
 {
     ChipOutcome outcome;
-    const bool is_whole = read(child.pipe, &outcome, sizeof outcome) == sizeof outcome;
-    close(child.pipe);
-    waitpid(child.process, nullptr, 0);
-    if (!is_whole) {
+    if (!end_copy(child.copy, &outcome, sizeof outcome)) {
         outcome = {};
         std::strncpy(outcome.failure, "the model ended or hung", sizeof outcome.failure - 1);
     }
     done(child.fault, outcome);
+}
+
+// The forces of the same milliseconds without a fault.
+std::vector<double> undisturbed_forces(ChipSession &session)
+{
+    std::vector<double> forces(undisturbed_ms);
+    const std::size_t bytes = forces.size() * sizeof forces[0];
+    const Copy copy = begin_copy(
+        [&](int to) { return is_sent(to, session.run_undisturbed(undisturbed_ms).data(), bytes); });
+    if (!end_copy(copy, forces.data(), bytes))
+        throw std::runtime_error("the undisturbed session ended early");
+    return forces;
 }
 
 } // namespace
@@ -302,20 +333,7 @@ void run_chip_faults(const std::string &image, std::vector<std::uint32_t> seeds,
         session.run_to(first_checkpoint_ms + i * between_ms, census, *touched);
         ChipSurvey survey = survey_of(session.engine(), *touched);
         survey.census = census;
-        std::vector<double> undisturbed(90);
-        int ends[2];
-        if (pipe(ends) != 0) throw std::runtime_error("no pipe to a copy of the process");
-        const std::size_t bytes = undisturbed.size() * sizeof undisturbed[0];
-        const pid_t process = fork();
-        if (process == 0) {
-            undisturbed = session.run_undisturbed(static_cast<std::uint32_t>(undisturbed.size()));
-            _exit(write(ends[1], undisturbed.data(), bytes) == static_cast<ssize_t>(bytes) ? 0 : 1);
-        }
-        close(ends[1]);
-        const bool is_whole = read(ends[0], undisturbed.data(), bytes) == static_cast<ssize_t>(bytes);
-        close(ends[0]);
-        waitpid(process, nullptr, 0);
-        if (!is_whole) throw std::runtime_error("the undisturbed session ended early");
+        const std::vector<double> undisturbed = undisturbed_forces(session);
         std::vector<Child> running;
         for (const std::uint32_t seed : seeds) {
             if (seed * 2654435761u >> 16 & 1u ? i / 2 != 0 : i / 2 == 0) continue;

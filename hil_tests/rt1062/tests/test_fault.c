@@ -1,6 +1,6 @@
 /* Claim: a fault acts from its begin to its end and on nothing else: on what is read, what is written, what
  * is stored, a pin, the processor's clock, and the bus. */
-#include "hil_tests/rt1062/chip.h"
+#include "hil_tests/rt1062/tests/chip_room.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,23 +8,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-static int open_chip(void **state)
-{
-    rt_chip *chip = rt_chip_create();
-    if (chip == NULL) return -1;
-    rt_chip_pass_us(chip, 2000);
-    for (uint32_t gate = CCM_CCGR0; gate <= CCM_CCGR7; gate += 4)
-        rt_chip_write(chip, BASE_CCM + gate, 4, 0xffffffffu);
-    *state = chip;
-    return 0;
-}
-
-static int close_chip(void **state)
-{
-    rt_chip_destroy(*state);
-    return 0;
-}
 
 /* A fault from 10 us to 30 us from now on. */
 static rt_fault fault_of(const rt_chip *chip, rt_fault_kind kind, uint32_t address)

@@ -1,7 +1,7 @@
 /* Claim: every pin of the board reaches its peripheral by its own setting and by no other one, and every
  * encoder, motor, converter channel and sequence of the PSRAM's controller works like the first of its kind.
  */
-#include "hil_tests/rt1062/chip.h"
+#include "hil_tests/rt1062/tests/chip_room.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,43 +10,6 @@
 #include <cmocka.h>
 
 enum { NO_DAISY = 0, PULL_KEEPER = 1 << 12, SION = 1 << 4, MHZ = 1000000 };
-
-static int open_chip(void **state)
-{
-    rt_chip *chip = rt_chip_create();
-    if (chip == NULL) return -1;
-    rt_chip_pass_us(chip, 2000);
-    for (uint32_t gate = CCM_CCGR0; gate <= CCM_CCGR7; gate += 4)
-        rt_chip_write(chip, BASE_CCM + gate, 4, 0xffffffffu);
-    *state = chip;
-    return 0;
-}
-
-static int close_chip(void **state)
-{
-    rt_chip_destroy(*state);
-    return 0;
-}
-
-static void wr(rt_chip *chip, uint32_t base, uint32_t offset, uint32_t value)
-{
-    rt_chip_write(chip, base + offset, 4, value);
-}
-
-static void wr16(rt_chip *chip, uint32_t base, uint32_t offset, uint32_t value)
-{
-    rt_chip_write(chip, base + offset, 2, value);
-}
-
-static uint32_t rd(rt_chip *chip, uint32_t base, uint32_t offset)
-{
-    return rt_chip_read(chip, base + offset, 4);
-}
-
-static uint32_t rd16(rt_chip *chip, uint32_t base, uint32_t offset)
-{
-    return rt_chip_read(chip, base + offset, 2);
-}
 
 /* --- IOMUXC --- */
 static const struct {

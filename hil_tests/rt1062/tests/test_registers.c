@@ -2,7 +2,7 @@
  * passed, and names what is missing otherwise. Each test uses the registers as an image would, without a
  * processor. */
 #include "hil_tests/rt1062/cache.h"
-#include "hil_tests/rt1062/chip.h"
+#include "hil_tests/rt1062/tests/chip_room.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,43 +10,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-static uint32_t rd(rt_chip *chip, uint32_t base, uint32_t offset)
-{
-    return rt_chip_read(chip, base + offset, 4);
-}
-
-static void wr(rt_chip *chip, uint32_t base, uint32_t offset, uint32_t value)
-{
-    rt_chip_write(chip, base + offset, 4, value);
-}
-
-static uint32_t rd16(rt_chip *chip, uint32_t base, uint32_t offset)
-{
-    return rt_chip_read(chip, base + offset, 2);
-}
-
-static void wr16(rt_chip *chip, uint32_t base, uint32_t offset, uint32_t value)
-{
-    rt_chip_write(chip, base + offset, 2, value);
-}
-
-/* A chip with all clock gates open, and the peripherals' clock at 99 MHz (the ROM's 396 MHz / 4). */
-static int open_chip(void **state)
-{
-    rt_chip *chip = rt_chip_create();
-    if (chip == NULL) return -1;
-    rt_chip_pass_us(chip, 2000);
-    for (uint32_t gate = CCM_CCGR0; gate <= CCM_CCGR7; gate += 4) wr(chip, BASE_CCM, gate, 0xffffffffu);
-    *state = chip;
-    return 0;
-}
-
-static int close_chip(void **state)
-{
-    rt_chip_destroy(*state);
-    return 0;
-}
 
 static void expect_finding(const rt_chip *chip, const char *part)
 {

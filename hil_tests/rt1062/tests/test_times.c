@@ -1,6 +1,6 @@
 /* Claim: each operation of the model takes its time, neither less nor more, and the parts of the chip that
  * test_registers.c leaves out (USB, console, watchdogs, the core's own registers) do what their bits say. */
-#include "hil_tests/rt1062/chip.h"
+#include "hil_tests/rt1062/tests/chip_room.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,33 +10,6 @@
 #include <cmocka.h>
 
 enum { LIST = RT_OCRAM_BEGIN, TRANSFER = RT_OCRAM_BEGIN + 0x1000, BUFFER = RT_OCRAM_BEGIN + 0x2000 };
-
-static int open_chip(void **state)
-{
-    rt_chip *chip = rt_chip_create();
-    if (chip == NULL) return -1;
-    rt_chip_pass_us(chip, 2000);
-    for (uint32_t gate = CCM_CCGR0; gate <= CCM_CCGR7; gate += 4)
-        rt_chip_write(chip, BASE_CCM + gate, 4, 0xffffffffu);
-    *state = chip;
-    return 0;
-}
-
-static int close_chip(void **state)
-{
-    rt_chip_destroy(*state);
-    return 0;
-}
-
-static void wr(rt_chip *chip, uint32_t base, uint32_t offset, uint32_t value)
-{
-    rt_chip_write(chip, base + offset, 4, value);
-}
-
-static uint32_t rd(rt_chip *chip, uint32_t base, uint32_t offset)
-{
-    return rt_chip_read(chip, base + offset, 4);
-}
 
 /* Bits `mask` of a register are `before` shortly before `us` have passed, and `after` shortly after. */
 static void expect_change(rt_chip *chip, uint32_t at, uint32_t mask, uint32_t before, uint32_t after,

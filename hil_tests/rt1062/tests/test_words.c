@@ -1,7 +1,7 @@
 /* Claim: every register of the model that keeps what is written to it has its reset value, and keeps each of
  * its fields and nothing else. Reset values: reference manual, from memory; those marked ROM are what the
  * boot ROM leaves, as we assume it. */
-#include "hil_tests/rt1062/chip.h"
+#include "hil_tests/rt1062/tests/chip_room.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -136,18 +136,11 @@ static const struct {
     {0xe0001000u, 4, 0, "no cycle counter"},
 };
 
-static rt_chip *open_chip(void)
+static rt_chip *new_chip(void)
 {
-    rt_chip *chip = rt_chip_create();
+    rt_chip *chip = started_chip();
     assert_non_null(chip);
-    rt_chip_pass_us(chip, 2000);
     return chip;
-}
-
-static void open_gates(rt_chip *chip)
-{
-    for (uint32_t gate = CCM_CCGR0; gate <= CCM_CCGR7; gate += 4)
-        rt_chip_write(chip, BASE_CCM + gate, 4, 0xffffffffu);
 }
 
 static void expect(rt_chip *chip, const char *name, uint32_t address, uint32_t bytes, uint32_t mask,
@@ -160,7 +153,7 @@ static void expect(rt_chip *chip, const char *name, uint32_t address, uint32_t b
 static void state_after_power_up_is_that_of_the_manual(void **state)
 {
     (void)state;
-    rt_chip *chip = open_chip();
+    rt_chip *chip = new_chip();
     for (uint32_t gate = CCM_CCGR0; gate <= CCM_CCGR7; gate += 4) {
         bool is_listed = gate >= CCM_CCGR0 + 12 && gate <= CCM_CCGR0 + 24;
         if (!is_listed) expect(chip, "CCGR", BASE_CCM + gate, 4, 0xffffffffu, 0);
@@ -178,7 +171,7 @@ static void state_after_power_up_is_that_of_the_manual(void **state)
 static void clock_gates_keep_what_is_written(void **state)
 {
     (void)state;
-    rt_chip *chip = open_chip();
+    rt_chip *chip = new_chip();
     for (uint32_t gate = CCM_CCGR0; gate <= CCM_CCGR7; gate += 4) {
         rt_chip_write(chip, BASE_CCM + gate, 4, 0xffffffffu);
         expect(chip, "CCGR", BASE_CCM + gate, 4, 0xffffffffu, 0xffffffffu);
@@ -199,7 +192,7 @@ static uint32_t own_bits(const row *r)
 static void every_plain_register_has_its_reset_value_and_keeps_its_fields(void **state)
 {
     (void)state;
-    rt_chip *chip = open_chip();
+    rt_chip *chip = new_chip();
     for (size_t i = 0; i < sizeof plain / sizeof plain[0]; i++) {
         const row *r = &plain[i];
         rt_chip_reset(chip, RT_RESET_POWER);
@@ -222,7 +215,7 @@ static void every_plain_register_has_its_reset_value_and_keeps_its_fields(void *
 static void interrupts_are_enabled_by_ones(void **state)
 {
     (void)state;
-    rt_chip *chip = open_chip();
+    rt_chip *chip = new_chip();
     for (uint32_t word = 0; word < 8; word++) {
         uint32_t at = 0xe000e100u + 4 * word;
         rt_chip_write(chip, at, 4, 1u << word);

@@ -99,7 +99,7 @@ void GlPaths::resolve_row(const PathPictures *still, const View &view, const Pix
         std::int32_t *own = pictures[of.own].data() + begin;
         std::int32_t *parent = of.parent >= 0 ? pictures[of.parent].data() + begin : nullptr;
         for (int x = 0; x < width; ++x) {
-            const std::int32_t sum = (q10mm(sum_mm[x]) * of.scale_q10 + 512) >> 10;
+            const std::int32_t sum = scaled_sum(q10mm(sum_mm[x]), of.scale_q10);
             own[x] += sum;
             if (parent) parent[x] -= sum;
         }

@@ -21,6 +21,13 @@ struct MeshChannel {
     int scale_q10 = 1024; // of its sums, for spongy bone of another density (materials.hpp)
 };
 
+// Multiplies a depth sum by such a scale, and rounds to nearest. Whole and broken millimetres are multiplied
+// separately, so that nothing overflows.
+inline std::int32_t scaled_sum(std::int32_t sum, int scale_q10)
+{
+    return (sum >> 10) * scale_q10 + (((sum & 1023) * scale_q10 + 512) >> 10);
+}
+
 // A chunk consists of about a hundred neighbouring triangles and the vertices that they use.
 struct MeshChunk {
     std::uint32_t vertex_begin = 0, vertex_count = 0;

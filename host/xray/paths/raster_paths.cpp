@@ -154,12 +154,9 @@ void finish_row(const View &view, int row, int begin, int end, std::int32_t *lin
     }
 }
 
-// Multiplies depth sums by a factor in 1/1024, and rounds to nearest. Whole and broken millimetres are
-// multiplied separately, so that nothing overflows.
 CRN_WIDE void scale_sums(int scale_q10, int count, std::int32_t *sums)
 {
-    for (int i = 0; i < count; ++i)
-        sums[i] = (sums[i] >> 10) * scale_q10 + (((sums[i] & 1023) * scale_q10 + 512) >> 10);
+    for (int i = 0; i < count; ++i) sums[i] = scaled_sum(sums[i], scale_q10);
 }
 
 RasterPaths::RasterPaths(const BodyMeshes &meshes, int threads)

@@ -340,6 +340,16 @@ void coarse_pixels_show_less_texture(void **)
     assert_true(rms[1] > 0.1 * rms[0]);
 }
 
+// A driver's sum may be as large as 1e9: the product alone would overflow.
+void a_scale_multiplies_any_sum_without_overflow(void **)
+{
+    for (const std::int64_t sum : {0L, 1L, -1L, 1023L, -1025L, 409600L, -2097153L, 999999999L, -999999999L})
+        for (const std::int64_t scale_q10 : {509L, 1000L, 1024L, 1259L}) {
+            const std::int64_t exact = (sum * scale_q10 + 512) >> 10;
+            assert_int_equal(scaled_sum(static_cast<std::int32_t>(sum), static_cast<int>(scale_q10)), exact);
+        }
+}
+
 } // namespace
 
 int main()
@@ -356,6 +366,7 @@ int main()
         cmocka_unit_test(a_moved_body_takes_its_texture_along),
         cmocka_unit_test(texture_is_fine_across_and_longer_along_the_patient),
         cmocka_unit_test(coarse_pixels_show_less_texture),
+        cmocka_unit_test(a_scale_multiplies_any_sum_without_overflow),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

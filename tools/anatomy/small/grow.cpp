@@ -10,6 +10,7 @@ namespace
 
 constexpr size_t CANDIDATES = 16;
 constexpr double SHORTEST_MM = 0.7;
+constexpr int ROUND_PASSES = 3;
 
 double foot_share(const Vec3 &a, const Vec3 &b, const Vec3 &p)
 {
@@ -176,20 +177,6 @@ void Growth::add_points(const Segment &s, double to_radius_mm, std::vector<Curve
     }
 }
 
-/* Rounds the corners of a course; its ends stay. */
-void Growth::smooth(std::vector<CurvePoint> &points) const
-{
-    constexpr int PASSES = 3;
-    for (int pass = 0; pass < PASSES; pass++) {
-        Vec3 before = points.front().position_mm;
-        for (size_t i = 1; i + 1 < points.size(); i++) {
-            const Vec3 here = points[i].position_mm;
-            points[i].position_mm = 0.25 * before + 0.5 * here + 0.25 * points[i + 1].position_mm;
-            before = here;
-        }
-    }
-}
-
 void Growth::trace(int first, const Start &start, std::vector<Twig> &twigs) const
 {
     const size_t own = twigs.size();
@@ -215,7 +202,7 @@ void Growth::trace(int first, const Start &start, std::vector<Twig> &twigs) cons
         if (widest < 0) break;
         s = &segments_[static_cast<size_t>(widest)];
     }
-    smooth(points);
+    round_corners(points, ROUND_PASSES);
     const std::vector<CurvePoint> course = points; // `twigs` moves its contents
     for (const auto &[child, point] : others) trace(child, {"", own, course[point].position_mm}, twigs);
 }

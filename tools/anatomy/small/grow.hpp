@@ -81,7 +81,6 @@ class Growth
     };
     void trace(int first, const Start &start, std::vector<Twig> &twigs) const;
     void add_points(const Segment &segment, double to_radius_mm, std::vector<CurvePoint> &points) const;
-    void smooth(std::vector<CurvePoint> &points) const;
 
     OntoTissue onto_;
     GrowthRules rules_;

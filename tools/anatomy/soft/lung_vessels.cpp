@@ -1,5 +1,6 @@
 #include "tools/anatomy/soft/lung_vessels.hpp"
 #include "tools/anatomy/soft/tube_mesh.hpp"
+#include "tools/mesh/spread.hpp"
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -11,20 +12,9 @@ namespace
 {
 
 constexpr double MURRAY_EXPONENT = 2.4, WIDE_RADIUS_MM = 2.2, LUNG_STEP_MM = 5.0;
+constexpr int ROUND_PASSES = 4;
 
 // --- where the vessels end ---
-
-/* Returns an element of van der Corput's sequence, which gives evenly spread numbers from 0 to 1 without
- * randomness. */
-double spread(uint32_t index, uint32_t base)
-{
-    double value = 0.0, share = 1.0;
-    for (; index > 0; index /= base) {
-        share /= base;
-        value += share * (index % base);
-    }
-    return value;
-}
 
 /* Returns evenly spread points in the lung, those nearest to the hilum first. Vessels of a radiograph fade
  * before they reach the pleura. */
@@ -32,6 +22,7 @@ std::vector<Vec3> vessel_ends(const LungSpace &space, const Box &box, const Vec3
 {
     constexpr double PLEURA_MM = 9.0;
     constexpr uint32_t CANDIDATES = 4600; // a quarter to a third of them lie in the lung
+    using crn::mesh::spread;
     std::vector<Vec3> ends;
     for (uint32_t i = first; i < first + CANDIDATES; i++) {
         const Vec3 share(spread(i, 2), spread(i, 3), spread(i, 5));
@@ -158,20 +149,6 @@ int LungGrowth::widest_child(int node) const
     return widest;
 }
 
-/* Rounds the corners of a course; its ends stay. */
-void round_corners(Curve &points)
-{
-    constexpr int PASSES = 4;
-    for (int pass = 0; pass < PASSES; pass++) {
-        Vec3 before = points.front().position_mm;
-        for (size_t i = 1; i + 1 < points.size(); i++) {
-            const Vec3 here = points[i].position_mm;
-            points[i].position_mm = 0.25 * before + 0.5 * here + 0.25 * points[i + 1].position_mm;
-            before = here;
-        }
-    }
-}
-
 /* Follows the wider branch at every fork, and notes the others with the index of the point where they leave.
  */
 LungVessel LungGrowth::trace(int from, int first, std::vector<std::pair<int, int>> &others) const
@@ -185,7 +162,7 @@ LungVessel LungGrowth::trace(int from, int first, std::vector<std::pair<int, int
             if (child != widest) others.emplace_back(child, static_cast<int>(vessel.course.size()) - 1);
         node = widest;
     }
-    round_corners(vessel.course);
+    round_corners(vessel.course, ROUND_PASSES);
     return vessel;
 }
 

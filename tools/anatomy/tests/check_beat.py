@@ -11,10 +11,11 @@ usage: check_beat.py make HEART MESH.obj ANATOMY  writes the mesh, and prints it
 """
 
 import re
-import struct
 import subprocess
 import sys
 from pathlib import Path
+
+from check_meshes import read_ply
 
 SCALE, SHIFT, BODY = 1.2, (11.0, -7.0, 300.0), "coronaries_left"
 
@@ -41,13 +42,6 @@ def read_body(path):
     return vertices, faces
 
 
-def read_ply(path):
-    data = path.read_bytes()
-    begin = data.index(b"end_header\n") + len(b"end_header\n")
-    count = int(re.search(rb"element vertex (\d+)", data).group(1))
-    return list(struct.iter_unpack("<3f", data[begin : begin + 12 * count]))
-
-
 def make(heart, mesh):
     vertices, faces = read_body(heart / "beat" / "frame_00.obj")
     lines = ["v %.4f %.4f %.4f" % there(vertex) for vertex in vertices] + ["f %d %d %d" % face for face in faces]
@@ -62,7 +56,7 @@ def compare(heart, folder):
     worst = 0.0
     for frame in (0, 5, 10, 17):
         expected = [there(v) for v in read_body(heart / "beat" / f"frame_{frame:02d}.obj")[0]]
-        found = read_ply(folder / f"{folder.name}_{frame:02d}.ply")
+        found = read_ply(folder / f"{folder.name}_{frame:02d}.ply")[0]
         assert len(found) == len(expected), (len(found), len(expected))
         worst = max([worst] + [max(abs(a - b) for a, b in zip(*pair)) for pair in zip(found, expected)])
     print(f"# {len(expected)} vertices, off by {worst:.4f} mm at most")

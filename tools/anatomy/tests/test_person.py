@@ -5,14 +5,15 @@ the number of threads changes no byte. Prints TAP."""
 import csv
 import math
 import os
+import pathlib
 import re
-import struct
 import subprocess
 import sys
 import tempfile
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", ".."))
-sys.path[:0] = [os.path.join(ROOT, "tools", "check")]
+sys.path[:0] = [os.path.join(ROOT, "tools", "check"), os.path.dirname(os.path.abspath(__file__))]
+import check_meshes  # noqa: E402
 import tap  # noqa: E402
 
 PROGRAM = os.path.join(ROOT, os.environ.get("BUILD", "build"), "bin", "anatomy")
@@ -96,10 +97,7 @@ def the_vessels_of_a_person_can_be_read_back():
 
 
 def vertices_of(folder):
-    data = read(folder, "lumen.ply")
-    begin = data.index(b"end_header\n") + len(b"end_header\n")
-    count = int(re.search(rb"element vertex (\d+)", data)[1])
-    return list(struct.iter_unpack("<3f", data[begin : begin + 12 * count]))
+    return check_meshes.read_ply(pathlib.Path(folder) / "lumen.ply")[0]
 
 
 def courses_of(folder):

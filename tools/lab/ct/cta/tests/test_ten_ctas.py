@@ -42,8 +42,8 @@ def main():
         found = mean(lambda row, key=key: row[key][0])
         report.check("vessels %s" % name, ["only %.0f %%" % (100 * found)] if found < least else [])
     for name, index, goal in (("centrelines", 1, APART_MM), ("radii", 2, RADIUS)):
-        off = ["on average %.4f" % mean(lambda row, i=index: row["all"][i])]
-        off = off if mean(lambda row, i=index: row["all"][i]) > goal else []
+        average = mean(lambda row, i=index: row["all"][i])
+        off = ["on average %.4f" % average] if average > goal else []
         off += ["seed %d: %.4f" % (row["seed"], row["all"][index]) for row in rows if row["all"][index] > WORST * goal]
         report.check("%s are those of the truth within %g on average" % (name, goal), off)
     off = [
