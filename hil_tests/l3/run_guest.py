@@ -123,7 +123,8 @@ def run_guest(options, folder):
     bridges, guest = [], None
     try:
         for socket, device in zip(sockets, options.devices):
-            bridges.append(subprocess.Popen([options.bridge, socket] + (["--" + options.cable] if options.cable else []) + device))
+            cable = ["--" + options.cable] if options.cable else []
+            bridges.append(subprocess.Popen([options.bridge, socket] + cable + device))
         for socket, bridge in zip(sockets, bridges):
             if not wait_for(socket, bridge, 5):
                 print("run_guest: the bridge did not start", file=sys.stderr)

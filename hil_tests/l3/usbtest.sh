@@ -6,9 +6,9 @@
 #
 # DEVICE is `image` (source and sink on the emulated Cortex-M7), `board` (the same in the board's image on its emulated
 # chip), `rig` (the device as it ships) or `beside` (the same while a session runs over its stream). CONTROLLER is that
-# of the guest, `xhci` or `ehci`. CABLE is `full-speed`, or `lossy`: every 7th acknowledgement in each direction is lost,
-# so that the packet is sent again. The figures of a call without arguments go to out/hil_usbtest.tsv. BUILD names the
-# build folder.
+# of the guest, `xhci` or `ehci`. CABLE is `full-speed`, or `lossy`: every 7th acknowledgement in each direction is
+# lost, so that the packet is sent again. The figures of a call without arguments go to out/hil_usbtest.tsv. BUILD names
+# the build folder.
 set -uo pipefail
 build=${BUILD:-build}
 hil=$build/hil
