@@ -8,7 +8,7 @@ lab: packages-build+tools+lab ## build every program of tools/lab
 	$(call build,release,$(LAB),all)
 
 test-lab: ## test the evidence: the thesis, calibration, CT, peers, bars, malformed files
-test-lab: packages-build+tools+lab+test+matrix+usb+bench+tracker+safety
+test-lab: packages-build+tools+lab+test+hil+matrix+usb+bench+tracker+safety
 	@JOBS=$(JOBS) tools/check/run_tests.sh lab
 
 test-hours: ## play every case, 20 experts and 20 novices, race the window's threads, install packages (hours)
