@@ -238,6 +238,25 @@ static void an_unbalanced_force_must_move_the_encoder_its_own_way(void **state)
     assert_int_equal(pull(8), 0);
 }
 
+/* An encoder whose counts are absurd, at the coarsest scale, against the pull of a hand. Each change counts
+ * as twice the largest plausible jump, so no sum overflows. Unlimited, the product of counts and scale would
+ * exceed 2^63 nm, and would change its sign. */
+static void an_encoder_that_leaps_backwards_is_reversed_at_any_size(void **state)
+{
+    (void)state;
+    safety_bench_drive(&bench);
+    bench.safety.tracks[0].translation_pm_per_count = 500000000;
+    bench.safety.tracks[0].jump_counts = CRN_APP_JUMP_um / 500;
+    bench.rig.tracks[0].force_raw = 950;
+    int edges = 0;
+    do {
+        const uint32_t counts = (uint32_t)bench.rig.hands[0].translation_counts;
+        bench.rig.hands[0].translation_counts = (int32_t)(counts - 667000000u);
+        edges++;
+    } while (safety_bench_edge(&bench) == CRN_FAULT_CODE_NONE && edges < 100);
+    expect_found(CRN_FAULT_CODE_ENCODER_REVERSED, edges, 39);
+}
+
 static void a_balanced_force_may_stand_still(void **state)
 {
     (void)state;
@@ -312,6 +331,7 @@ int main(void)
         cmocka_unit_test(a_force_larger_than_asked_for_is_a_mismatch_from_its_third_edge),
         cmocka_unit_test(the_sensors_zero_and_scale_are_those_of_the_track),
         cmocka_unit_test(an_unbalanced_force_must_move_the_encoder_its_own_way),
+        cmocka_unit_test(an_encoder_that_leaps_backwards_is_reversed_at_any_size),
         cmocka_unit_test(a_balanced_force_may_stand_still),
         cmocka_unit_test(the_first_reason_against_power_is_named),
         cmocka_unit_test(a_track_without_a_force_sensor_needs_the_local_unlock),
