@@ -95,6 +95,7 @@ static int32_t speed_share(const crn_safety *safety, uint32_t k, int32_t asked_m
 /* The force sensor measures the force of a hand that holds the carriage; the reading may be wrong by up to a
  * quarter. For a track without a force sensor, the hand's force is unknown, and the limit depends on the
  * carriage's speed alone. */
+/* Requirement: SR-04 */
 int32_t crn_carriage_bound_mN(crn_safety *safety, const crn_port_inputs *rig, uint32_t k, int32_t asked_mN)
 {
     crn_safety_watch *watch = &safety->watches[k];
@@ -120,6 +121,7 @@ int32_t crn_carriage_bound_mN(crn_safety *safety, const crn_port_inputs *rig, ui
  * its motor does not drive it. If a hand moves the carriage, at any speed, the sensor measures the hand's
  * force. The check reports a fault only if a carriage gained its speed while no hand touched it and its motor
  * pushed it. */
+/* Requirement: SR-05 */
 static bool is_driven_fast(crn_safety *safety, const crn_port_inputs *rig, uint32_t k)
 {
     crn_safety_watch *watch = &safety->watches[k];
@@ -156,6 +158,7 @@ static bool cycle_lasts(crn_safety *safety, const crn_port_inputs *rig, uint32_t
     return crn_cycle_lasts(&safety->watches[k].cycle, &edge);
 }
 
+/* Requirement: SR-06 */
 crn_fault_code crn_carriage_check(crn_safety *safety, const crn_safety_input *input, uint32_t k,
                                   int32_t *value)
 {

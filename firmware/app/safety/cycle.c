@@ -67,6 +67,7 @@ static void turn(crn_safety_cycle *cycle, bool is_felt, int32_t driven_mN)
     cycle->direction = -cycle->direction;
 }
 
+/* Requirement: SR-06 */
 bool crn_cycle_lasts(crn_safety_cycle *cycle, const crn_carriage_edge *edge)
 {
     const int32_t driven_mN = edge->driven_mN;
