@@ -1,7 +1,7 @@
 /* This program makes a device visible to a guest machine in QEMU: it translates between the device's USB
  * tokens and the protocol usbredir on a unix socket.
  *
- *   bridge SOCKET [--full-speed] DEVICE
+ *   bridge SOCKET [--full-speed | --lossy] DEVICE
  *
  *   --here                     the loop-back rig, in this process
  *   --app                      the whole app, in this process
@@ -27,7 +27,7 @@
 #include "hil_tests/usb/usb_peer.h"
 #include "hil_tests/usb/usb_urbs.h"
 
-enum { CONNECT_SECONDS = 30, IDLE_us = 50, TALK_us = 400, STREAM = 2 };
+enum { CONNECT_SECONDS = 30, IDLE_us = 50, TALK_us = 400, STREAM = 2, LOST_EVERY = 7 /* acknowledgements */ };
 
 typedef struct bridge {
     struct usbredirparser *parser;
@@ -401,16 +401,18 @@ int main(int argc, char **argv)
     static bridge b;
     int used = 0;
     b.is_full_speed = argc > 2 && strcmp(argv[2], "--full-speed") == 0;
-    const int first = b.is_full_speed ? 3 : 2;
+    const bool is_lossy = argc > 2 && strcmp(argv[2], "--lossy") == 0;
+    const int first = b.is_full_speed || is_lossy ? 3 : 2;
     const char *wrong = usb_peer_open(&b.peer, argc - first, argv + first, &used);
     if (wrong == NULL && argc != first + used) wrong = "there are words that mean nothing";
     if (wrong != NULL) {
-        fprintf(
-            stderr,
-            "bridge: %s\nusage: bridge SOCKET [--full-speed] (--here | --app | --mailbox FILE[:OFFSET])\n",
-            wrong);
+        fprintf(stderr,
+                "bridge: %s\nusage: bridge SOCKET [--full-speed | --lossy] (--here | --app | --mailbox "
+                "FILE[:OFFSET])\n",
+                wrong);
         return 2;
     }
+    if (is_lossy) b.peer.host->lose_in = b.peer.host->lose_out = LOST_EVERY;
     b.urbs = (usb_urbs){.host = b.peer.host, .complete = on_complete, .context = &b};
     b.socket = wait_for_qemu(argv[1]);
     if (b.socket < 0) {

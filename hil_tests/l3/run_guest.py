@@ -123,7 +123,8 @@ def run_guest(options, folder):
     bridges, guest = [], None
     try:
         for socket, device in zip(sockets, options.devices):
-            bridges.append(subprocess.Popen([options.bridge, socket] + ["--full-speed"] * options.full_speed + device))
+            cable = ["--" + options.cable] if options.cable else []
+            bridges.append(subprocess.Popen([options.bridge, socket] + cable + device))
         for socket, bridge in zip(sockets, bridges):
             if not wait_for(socket, bridge, 5):
                 print("run_guest: the bridge did not start", file=sys.stderr)
@@ -161,7 +162,9 @@ def parse(arguments):
     parser.add_argument("--seconds", type=int, default=60, help="deadline (default: 60)")
     parser.add_argument("--out", metavar="FOLDER", help="what the guest may write into")
     parser.add_argument("--controller", choices=["xhci", "ehci"], default="xhci", help="of the PC (default: xhci)")
-    parser.add_argument("--full-speed", action="store_true", help="the devices' cables carry 12 Mbit/s only")
+    parser.add_argument(
+        "--cable", choices=["full-speed", "lossy"], help="carries 12 Mbit/s only, or loses every 7th acknowledgement"
+    )
     parser.add_argument("--channel", metavar="SOCKET", help="what the guest's /dev/vport0p1 talks to")
     parser.add_argument(
         "--here", dest="devices", action="append_const", const=["--here"], help="the loop-back rig inside the bridge"

@@ -2,15 +2,18 @@
 # Linux' module usbtest against the USB stack of the device (docs/usb.md, "The kernel's own judge"): runs its cases in
 # the guest of level L3, prints a row of TAP for each, and a sum at the end. Run it from the root of the tree.
 #
-#   usbtest.sh [--case N] RUN...         RUN: DEVICE:CONTROLLER[:full]; without a RUN, all that are listed below
+#   usbtest.sh [--case N] RUN...         RUN: DEVICE:CONTROLLER[:CABLE]; without a RUN, all that are listed below
 #
 # DEVICE is `image` (source and sink on the emulated Cortex-M7), `board` (the same in the board's image on its emulated
-# chip) or `rig` (the device as it ships). CONTROLLER is that of the guest, `xhci` or `ehci`; `full` is full speed.
-# The figures of a call without arguments go to out/hil_usbtest.tsv. BUILD names the build folder.
+# chip), `rig` (the device as it ships) or `beside` (the same while a session runs over its stream). CONTROLLER is that
+# of the guest, `xhci` or `ehci`. CABLE is `full-speed`, or `lossy`: every 7th acknowledgement in each direction is
+# lost, so that the packet is sent again. The figures of a call without arguments go to out/hil_usbtest.tsv. BUILD names
+# the build folder.
 set -uo pipefail
 build=${BUILD:-build}
 hil=$build/hil
-runs=(image:xhci image:ehci image:xhci:full board:xhci board:ehci board:xhci:full rig:xhci)
+runs=(image:xhci image:ehci image:xhci:full-speed image:ehci:lossy
+    board:xhci board:ehci board:xhci:full-speed board:ehci:lossy rig:xhci beside:xhci beside:ehci)
 options=()
 figures=out/hil_usbtest.tsv
 if [ "${1:-}" = --case ]; then
@@ -22,7 +25,7 @@ if [ $# -gt 0 ]; then runs=("$@") figures=; fi
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 
-# one DEVICE CONTROLLER SPEED: prints the rows of one guest
+# one DEVICE CONTROLLER CABLE: prints the rows of one guest
 one() {
     local beside
     local -a extra=("${options[@]}") guest=(hil_tests/l3/run_guest.py --bridge "$hil/bridge" --kernel "$hil/kernel"
@@ -31,13 +34,10 @@ one() {
     image) beside=("$build/bin/hil_rig" --live --image "$build/firmware/usbtest-mps2_an500.elf") ;;
     board) beside=("$hil/hil_rt1062" --image "$build/firmware/usbtest-imxrt1062.elf") ;;
     rig) beside=("$build/bin/hil_rig" --live) && extra+=(--rig) ;;
-    *) echo "usbtest.sh: '$1' is no device: image, board or rig" >&2 && return 2 ;;
+    beside) beside=("$build/bin/hil_rig" --live) && extra+=(--beside "$hil/app_check") ;;
+    *) echo "usbtest.sh: '$1' is no device: image, board, rig or beside" >&2 && return 2 ;;
     esac
-    case $3 in
-    "") ;;
-    full) guest+=(--full-speed) ;;
-    *) echo "usbtest.sh: '$3' is no speed: full or nothing" >&2 && return 2 ;;
-    esac
+    [ -z "$3" ] || guest+=(--cable "$3")
     "${beside[@]}" -- "${guest[@]}" --mailbox '{mailbox}' -- "$hil/usbtest" "$hil/kernel/usbtest.ko" "${extra[@]}"
 }
 
@@ -45,8 +45,8 @@ count=0
 failed=0
 applied=0
 for run in "${runs[@]}"; do
-    IFS=: read -r device controller speed <<<"$run"
-    one "$device" "$controller" "${speed:-}" >"$log" 2>&1
+    IFS=: read -r device controller cable <<<"$run"
+    one "$device" "$controller" "${cable:-}" >"$log" 2>&1
     status=$?
     # The rows of all runs are numbered through; a plan per run would be none of the whole.
     sed -e '/^1\.\./d' -e '/^\(not \)\?ok [0-9]/!s/^\([^#]\)/# \1/' "$log" |

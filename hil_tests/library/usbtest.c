@@ -5,6 +5,8 @@
  *   usbtest MODULE --case N   of these cases one alone
  *   usbtest MODULE --rig      a rig as it ships: usbtest then knows only endpoint 0, so that the cases 0, 9
  *                             and 10 apply
+ *   usbtest MODULE --beside PROGRAM    the cases 9 and 10 over and over by a rig's HID interface, as long as
+ *                             PROGRAM uses its stream
  *
  * The module is loaded with realworld=0, with which it also requests what many devices on the market do not
  * implement (GET_CONFIGURATION, GET_INTERFACE, control transfers of length 0). The program needs root. */
@@ -20,6 +22,7 @@
 #include <string.h>
 #include <sys/ioctl.h>
 #include <sys/syscall.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #define DEVICES "/sys/bus/usb/devices"
@@ -27,7 +30,11 @@
 
 enum {
     WAIT_MAX_ms = 20000, /* for the device and its driver */
+    ROUNDS_MIN = 20,     /* beside a program, for a verdict */
     REQUEST_PATTERN = 0x5d,
+    REQUEST_RECEIVED = 0x5e,
+    OPEN_PACKETS_MAX = 3, /* of a transfer of the sink that is not over, and not counted yet */
+    COUNT_TRIES = 5,
     GADGET_ZERO_VENDOR = 0x0525, /* the kernel's own test device */
     GADGET_ZERO_PRODUCT = 0xa4a0,
     ZEROES = 1, /* sets of patterns */
@@ -56,6 +63,7 @@ static const usb_case cases[] = {
     {1, "bulk write of whole packets", 64, 2048, 0, 0, ZEROES | MOD_63},
     {2, "bulk read", 64, 2048, 0, 0, ZEROES | MOD_63},
     {3, "bulk writes of varied length", 128, 5000, 421, 0, ZEROES | MOD_63},
+    {3, "bulk writes of every length", 1100, 1100, 1, 0, ZEROES | MOD_63},
     {4, "bulk reads of varied length", 64, 8192, 512, 0, ZEROES | MOD_63},
     {5, "queued bulk writes", 8, 2048, 0, 16, ZEROES | MOD_63},
     {6, "queued bulk reads", 8, 2048, 0, 16, ZEROES | MOD_63},
@@ -67,7 +75,7 @@ static const usb_case cases[] = {
     {11, "cancelled reads", 32, 4096, 0, 0, ZEROES | MOD_63},
     {12, "cancelled writes", 32, 4096, 0, 0, ZEROES | MOD_63},
     {13, "halt, and clear the halt", 16, 0, 0, 0, ZEROES | MOD_63},
-    {14, "control write and read back", 128, 256, 17, 0, ZEROES},
+    {14, "control write and read back of every length", 514, 256, 1, 0, ZEROES},
     {15, "isochronous write", 4, 512, 0, 4, ZEROES},
     {16, "isochronous read", 4, 512, 0, 4, ZEROES},
     {17, "bulk write from an odd address", 32, 1000, 0, 0, ZEROES | MOD_63},
@@ -90,7 +98,9 @@ static struct {
     int file; /* of usbfs */
     int interface;
     bool is_rig;
-    char driver[32]; /* of the host controller */
+    uint32_t packet_bytes; /* of the bulk endpoints */
+    char name[64];         /* of the interface in sysfs */
+    char driver[32];       /* of the host controller */
 } device;
 static long only_case = -1;
 
@@ -159,8 +169,10 @@ static bool find_interface(const char *name)
     device.file = open(path, O_RDWR | O_CLOEXEC);
     if (device.file < 0) give_up(path, strerror(errno));
     device.interface = (int)read_number(folder, "bInterfaceNumber", 16);
+    snprintf(device.name, sizeof device.name, "%s", name);
     snprintf(folder, sizeof folder, DEVICES "/usb%ld/..", read_number(parent, "busnum", 10));
     read_driver(folder, device.driver, sizeof device.driver);
+    device.packet_bytes = read_number(parent, "speed", 10) == 480 ? 512 : 64;
     check_note("%s, interface %d, %ld Mbit/s, host controller of %s", path, device.interface,
                read_number(parent, "speed", 10), device.driver);
     return true;
@@ -178,11 +190,15 @@ static bool find_device(void)
 }
 
 /* --- one run of a case --- */
+static void write_text(const char *path, const char *text)
+{
+    FILE *file = fopen(path, "we");
+    if (file == NULL || fputs(text, file) < 0 || fclose(file) != 0) give_up(path, strerror(errno));
+}
+
 static void choose_kernels_pattern(int pattern)
 {
-    FILE *file = fopen(PATTERN, "we");
-    if (file == NULL || fprintf(file, "%d\n", pattern) < 0 || fclose(file) != 0)
-        give_up(PATTERN, strerror(errno));
+    write_text(PATTERN, pattern == 0 ? "0" : "1");
 }
 
 static void choose_devices_pattern(int pattern)
@@ -208,6 +224,71 @@ static int run(const usb_case *one, double *seconds)
     return result;
 }
 
+/* --- what the sink must have received: usbtest checks what it reads, but not what becomes of its writes ---
+ */
+
+/* The lengths of usbtest's writes: each is `vary` longer than the one before, modulo the longest. */
+static uint32_t varied_sum(const usb_case *one, uint32_t count)
+{
+    uint32_t sum = 0, length = one->length;
+    for (uint32_t i = 0; i < count; i++) {
+        sum += length;
+        if (one->vary == 0) continue;
+        length = (length + one->vary) % one->length;
+        if (length == 0) length = one->vary < one->length ? one->vary : one->length;
+    }
+    return sum;
+}
+
+/* Returns how many bytes a case writes, or 0 if that is open: a case that only reads, or cancels writes. */
+static uint32_t written_bytes(const usb_case *one)
+{
+    switch (one->number) {
+    case 1:
+    case 3:
+    case 17:
+    case 19:
+    case 25:
+        return varied_sum(one, one->iterations);
+    case 5:
+    case 7:
+        return one->iterations * varied_sum(one, one->list_length);
+    case 13: /* a write before the halt and one after it, of 512 bytes each */
+        return one->iterations * 2 * 512;
+    case 27:
+        return one->iterations * one->list_length * one->length;
+    case 29: /* two writes of two packets each */
+        return one->iterations * 2 * 2 * device.packet_bytes;
+    default:
+        return 0;
+    }
+}
+
+static uint32_t received_bytes(void)
+{
+    uint8_t bytes[4] = {0};
+    struct usbdevfs_ctrltransfer request = {
+        .bRequestType = 0xc0, .bRequest = REQUEST_RECEIVED, .wLength = 4, .timeout = 5000, .data = bytes};
+    if (ioctl(device.file, USBDEVFS_CONTROL, &request) != 4) give_up("count of bytes", strerror(errno));
+    return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
+}
+
+/* Every byte must have arrived once. Writes in queues end with a full packet, after which the sink's transfer
+ * may still be open. The device may answer the request before it has looked at the last packet. */
+static bool has_arrived(const usb_case *one)
+{
+    const uint32_t written = written_bytes(one);
+    const uint32_t open = one->list_length > 0 ? OPEN_PACKETS_MAX * device.packet_bytes : 0;
+    uint32_t received = 0;
+    for (int i = 0; i < COUNT_TRIES; i++) {
+        received = received_bytes();
+        if (written == 0 || (received <= written && received + open >= written)) return true;
+        usleep(1000);
+    }
+    check_note("case %u wrote %u bytes, and the sink received %u", one->number, written, received);
+    return false;
+}
+
 static int run_with_patterns(const usb_case *one, double *seconds)
 {
     for (int pattern = 0; pattern < 2; pattern++) {
@@ -218,6 +299,7 @@ static int run_with_patterns(const usb_case *one, double *seconds)
         }
         const int error = run(one, seconds);
         if (error != 0) return error;
+        if (!device.is_rig && !has_arrived(one)) return EBADMSG;
     }
     return 0;
 }
@@ -293,18 +375,47 @@ static void check_judges(void)
           "source and sink then work as before");
 }
 
-int main(int argc, char **argv)
+/* --- beside a program that uses the stream --- */
+
+/* The kernel gives usbtest the stream's interface, because usbhid has the other one. They change places. */
+static void move_to_hid_interface(void)
 {
-    device.is_rig = argc == 3 && strcmp(argv[2], "--rig") == 0;
-    if (argc == 4 && strcmp(argv[2], "--case") == 0) only_case = strtol(argv[3], NULL, 10);
-    if (argc != 2 && !device.is_rig && only_case < 0) {
-        fprintf(stderr, "usage: %s MODULE [--rig | --case N]\n", argv[0]);
-        return 2;
+    write_text("/sys/bus/usb/drivers/usbtest/unbind", device.name);
+    device.name[strlen(device.name) - 1] = '0';
+    device.interface = 0;
+    write_text("/sys/bus/usb/drivers/usbhid/unbind", device.name);
+    write_text("/sys/bus/usb/drivers/usbtest/bind", device.name);
+}
+
+/* A run of a case is short, because usbfs lets the other program submit nothing while it lasts. What that
+ * program has submitted before goes on during the run. */
+static void run_beside(char *program)
+{
+    static const usb_case pair[] = {{9, "chapter 9 requests", 1, 0, 0, 0, ZEROES},
+                                    {10, "queued control requests", 1, 0, 0, 16, ZEROES}};
+    move_to_hid_interface();
+    const pid_t child = fork();
+    if (child == 0) {
+        char *const words[] = {program, NULL};
+        execv(program, words);
+        give_up(program, strerror(errno));
     }
-    load_module(argv[1]);
-    int waited_ms = 0;
-    for (; !find_device() && waited_ms < WAIT_MAX_ms; waited_ms += 50) usleep(50000);
-    if (waited_ms >= WAIT_MAX_ms) give_up("no device of usbtest", "none came within 20 s");
+    int status = -1, rounds = 0, error = 0;
+    double seconds = 0;
+    while (child > 0 && waitpid(child, &status, WNOHANG) == 0) {
+        for (int i = 0; i < 2 && error == 0; i++) error = run(&pair[i], &seconds);
+        rounds++;
+        usleep(200);
+    }
+    char text[200];
+    snprintf(text, sizeof text, "cases 9 and 10, %d times by the HID interface while %s used the stream (%s)",
+             rounds, strrchr(program, '/') + 1, error == 0 ? "passed" : strerror(error));
+    check(error == 0 && rounds >= ROUNDS_MIN, text);
+    check(status == 0, "and that program passed, too");
+}
+
+static void run_rows(void)
+{
     int applied = 0, passed = 0;
     for (int i = 0; i < CASE_COUNT; i++) {
         bool has_passed = false;
@@ -320,5 +431,25 @@ int main(int argc, char **argv)
     }
     if (!device.is_rig && only_case < 0) check_judges();
     check_note("usbtest: of %d rows %d apply, and %d of them pass", CASE_COUNT, applied, passed);
+}
+
+int main(int argc, char **argv)
+{
+    const char *option = argc > 2 ? argv[2] : "";
+    char *program = argc == 4 && strcmp(option, "--beside") == 0 ? argv[3] : NULL;
+    device.is_rig = program != NULL || (argc == 3 && strcmp(option, "--rig") == 0);
+    if (argc == 4 && strcmp(option, "--case") == 0) only_case = strtol(argv[3], NULL, 10);
+    if (argc != 2 && !device.is_rig && only_case < 0) {
+        fprintf(stderr, "usage: %s MODULE [--case N | --rig | --beside PROGRAM]\n", argv[0]);
+        return 2;
+    }
+    load_module(argv[1]);
+    int waited_ms = 0;
+    for (; !find_device() && waited_ms < WAIT_MAX_ms; waited_ms += 50) usleep(50000);
+    if (waited_ms >= WAIT_MAX_ms) give_up("no device of usbtest", "none came within 20 s");
+    if (program != NULL)
+        run_beside(program);
+    else
+        run_rows();
     return check_end();
 }

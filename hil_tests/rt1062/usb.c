@@ -277,6 +277,10 @@ void rt_usb_write(rt_chip *chip, uint32_t offset, uint32_t value)
         usb->setup_status &= ~value;
         break;
     case USB_ENDPTPRIME:
+        if ((usb->ready & value) != 0)
+            rt_find(chip,
+                    "USB1 primes endpoints 0x%08x anew, while their transfers are not over; flush them first",
+                    usb->ready & value);
         usb->prime |= value;
         usb->prime_until =
             chip->now + rt_mutant_time(chip, RT_TIME_USB_PRIME, PRIME_ns * RT_INSTANTS_PER_us / 1000);

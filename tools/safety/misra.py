@@ -19,6 +19,7 @@ ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)),
 TABLE = "tools/safety/misra.tsv"
 FIGURES = "out/misra.tsv"
 PARTS = ("firmware/core", "firmware/app", "shared")
+ONLY_TESTS = ("/tests/", "/source_sink/")  # folders of which no image that ships has anything
 # The C code that every board runs, or has as a twin of its assembly; not the lanes, which are for x86-64 alone.
 OPTIONS = ["--addon=misra", "--std=c11", "--platform=unix32", "-I.", "-U__x86_64__", "-D__thumb__=0", "--quiet"]
 FINDING = re.compile(r"^(?P<file>[^:]+):(?P<line>\d+):misra-c2012-(?P<rule>[0-9.]+):", re.M)
@@ -30,7 +31,7 @@ class CannotCount(Exception):
 
 def sources():
     listed = subprocess.run(["git", "ls-files", "*.c"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    return [path for path in listed.split() if path.startswith(PARTS) and "/tests/" not in path]
+    return [path for path in listed.split() if path.startswith(PARTS) and not any(part in path for part in ONLY_TESTS)]
 
 
 def findings(paths, folder=ROOT, jobs=1):

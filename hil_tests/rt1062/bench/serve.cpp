@@ -21,6 +21,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double slice_us = 20; // between two looks at the mailbox
 constexpr double lead_max_us = 500, lag_max_us = 50000;
+constexpr int waits_looks_max = 100;
 
 // Holds the mailbox in a file that the bridge maps, too. The file goes with this object.
 class MailboxFile
@@ -92,7 +93,14 @@ class LiveBoard
         pins_.put(plant_.inputs());
     }
 
-    std::uint32_t report() const { return rt_report(chip_.get(), stderr, rt_engine_place, engine_.get()); }
+    // The command may have ended while the image waits, for a conversion of the ADC for example. Such a wait
+    // is over within a millisecond.
+    std::uint32_t report()
+    {
+        for (int i = 0; i < waits_looks_max && rt_unanswered(chip_.get(), 0) != nullptr; i++)
+            rt_engine_run_us(engine_.get(), slice_us);
+        return rt_report(chip_.get(), stderr, rt_engine_place, engine_.get());
+    }
 
   private:
     static constexpr std::uint64_t ms = RT_INSTANTS_PER_us * 1000;

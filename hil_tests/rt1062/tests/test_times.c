@@ -399,6 +399,20 @@ static void flush_ends_what_is_primed(void **state)
     assert_int_equal(token_of(chip, RT_TOKEN_IN, 2, false, 0), RT_USB_NAK);
 }
 
+/* The controller owns queue head and descriptor of an endpoint that is ready. */
+static void priming_what_is_ready_is_a_finding(void **state)
+{
+    rt_chip *chip = *state;
+    start_controller(chip);
+    wr(chip, BASE_USB1, USB_ENDPTCTRL0 + 8, 0xcc00ccu);
+    arm(chip, 2, true, 3);
+    assert_int_equal(chip->findings_count, 0);
+    arm(chip, 2, true, 3);
+    assert_int_equal(chip->findings_count, 1);
+    assert_non_null(strstr(chip->findings[0].text, "USB1 primes endpoints 0x00040000 anew"));
+    chip->findings_count = 0;
+}
+
 static void setup_packet_waits_and_clears_the_trip_wire(void **state)
 {
     rt_chip *chip = *state;
@@ -530,6 +544,7 @@ int main(void)
         ON(transceiver_needs_each_of_its_conditions),
         ON(every_endpoint_moves_its_packets),
         ON(flush_ends_what_is_primed),
+        ON(priming_what_is_ready_is_a_finding),
         ON(setup_packet_waits_and_clears_the_trip_wire),
         ON(suspend_is_reported_and_ends),
         ON(every_region_of_the_protection_works),

@@ -5,7 +5,8 @@
  *
  *   IN endpoints      a source: full packets of the pattern
  *   OUT endpoints     a sink: it compares every packet with the pattern, and halts at the first wrong byte
- *   endpoint 0        0x5b writes up to 256 bytes, 0x5c reads them back, 0x5d chooses the pattern (wValue)
+ *   endpoint 0        0x5b writes up to 256 bytes, 0x5c reads them back, 0x5d chooses the pattern (wValue) and
+ *                     clears the count of the sinks' bytes, which 0x5e reads (4 bytes)
  *
  * Byte i of a packet is 0 (pattern 0) or i mod 63 (pattern 1), as in usbtest. The bulk transfers given to the
  * controller are 1 to 8 packets long by turns, so that their ends fall anywhere in the host's transfers. */
@@ -15,6 +16,7 @@ enum {
     REQUEST_WRITE = 0x5b, /* these two are those of Intel's compliance device */
     REQUEST_READ = 0x5c,
     REQUEST_PATTERN = 0x5d,
+    REQUEST_RECEIVED = 0x5e,
     PATTERN_MAX = 1,
     PATTERN_PERIOD = 63,
     SOURCE_PACKETS_MAX = 8,
@@ -30,6 +32,7 @@ typedef struct workshop {
     uint8_t written[CRN_USB_CONTROL_BYTES];
     uint32_t written_bytes;
     uint32_t source_turn, sink_turn;
+    uint32_t received_bytes;
     uint8_t pattern;
 } workshop;
 
@@ -110,7 +113,8 @@ static bool is_pattern(const workshop *shop, const uint8_t *bytes, uint32_t coun
 
 void crn_usb_stream_received(crn_usb *usb, uint32_t bytes)
 {
-    const workshop *shop = workshop_of(usb);
+    workshop *shop = workshop_of(usb);
+    shop->received_bytes += bytes;
     if (!is_pattern(shop, shop->sink, bytes, bulk_packet_bytes(usb)))
         crn_usb_pipe_halt(usb, CRN_USB_STREAM_OUT);
 }
@@ -127,6 +131,7 @@ bool crn_usb_stream_deliver(crn_usb *usb)
 void crn_usb_hid_received(crn_usb *usb, uint32_t bytes)
 {
     const uint32_t packet_bytes = crn_usb_endpoints[CRN_USB_STATUS_OUT].packet_bytes[usb->speed];
+    workshop_of(usb)->received_bytes += bytes;
     if (is_pattern(workshop_of(usb), usb->report_out, bytes, packet_bytes))
         crn_usb_pipe_arm(usb, CRN_USB_STATUS_OUT, usb->report_out, sizeof usb->report_out);
     else
@@ -153,6 +158,7 @@ static bool choose_pattern(crn_usb *usb, const crn_usb_setup *setup)
 {
     if (setup->value > PATTERN_MAX || setup->length != 0) return false;
     workshop_of(usb)->pattern = (uint8_t)setup->value;
+    workshop_of(usb)->received_bytes = 0;
     fill_source(usb);
     return true;
 }
@@ -166,7 +172,12 @@ bool crn_usb_vendor(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *r
     if (setup->value != 0) return false;
     if (setup->type == to_device && setup->request == REQUEST_WRITE) /* 0 bytes */
         return crn_usb_hid_data(usb, setup, NULL, 0);
-    if (setup->type != (to_device | CRN_USB_TYPE_IN) || setup->request != REQUEST_READ) return false;
+    if (setup->type != (to_device | CRN_USB_TYPE_IN)) return false;
+    if (setup->request == REQUEST_RECEIVED) {
+        crn_wire_write(reply, shop->received_bytes, 4);
+        return true;
+    }
+    if (setup->request != REQUEST_READ) return false;
     for (uint32_t i = 0; i < shop->written_bytes; i++) crn_wire_write(reply, shop->written[i], 1);
     return true;
 }
