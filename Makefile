@@ -65,4 +65,5 @@ clean: ## remove build/ and out/
 	rm -rf build out
 
 comma := ,
-include tools/make/scenes.mk tools/make/developer.mk tools/make/rig.mk tools/make/evidence.mk
+include tools/make/scenes.mk tools/make/developer.mk tools/make/rig.mk tools/make/evidence.mk \
+    tools/make/safety.mk

@@ -195,6 +195,7 @@ static void take_frame(crn_app *app)
     app->link.answers = 0;
 }
 
+/* Requirement: SR-19 */
 void crn_app_receive(crn_app *app, const uint8_t *bytes, size_t count)
 {
     for (size_t i = 0, taken; i < count; i += taken) {

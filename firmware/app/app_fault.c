@@ -34,6 +34,7 @@ void crn_app_fault_log(crn_app *app, crn_fault_code code, int32_t value1, int32_
 
 /* The message `status` reports the first fault that stops the device as the cause; faults that follow from
  * the first one are only in the log. */
+/* Requirement: SR-09 */
 void crn_app_fault(crn_app *app, crn_fault_code code, int32_t value1, int32_t value2)
 {
     crn_app_fault_log(app, code, value1, value2);

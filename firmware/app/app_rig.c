@@ -44,6 +44,7 @@ static uint64_t loop_milli(const crn_wire_track *wire, uint32_t said, uint32_t k
  * 1e-9 N s/m. Overflow is impossible: G is below 2^32 (at most a gain of 4 000 times a scale factor of 5 x
  * 10^5), and 10^5 x 2^32 x 20 500 and 10^6 x 2^32 are below 2^63. For a track without a virtual coupling, the
  * condition on spring and damper does not apply. */
+/* Requirement: SR-07 */
 static bool is_passive(uint32_t stiffness, uint32_t damping, uint32_t damping_rig, uint32_t lag_us,
                        uint64_t factor_milli)
 {
@@ -114,6 +115,7 @@ static bool is_coupled(const crn_wire_track *wire)
  * driven, so a host may set any of its values except the force sensor's scale, because that sensor is checked
  * in every state. The host may send again a value that a person at the rig has confirmed. False: *field names
  * the offender. */
+/* Requirement: SR-18 */
 static bool steps_are_free(const crn_wire_track *asked, const crn_app_track *present, uint32_t *field)
 {
     const crn_wire_track *vouched = &present->vouched, *built = &present->built;
@@ -149,6 +151,7 @@ typedef struct track_rights {
 } track_rights;
 
 /* False: *field names the offender. */
+/* Requirement: SR-18 */
 static bool track_is_good(const crn_wire_track *wire, const crn_app_track *present, track_rights rights,
                           uint32_t *field)
 {

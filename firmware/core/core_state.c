@@ -379,6 +379,7 @@ void crn_state_hash_lanes(const crn_state *state, uint32_t lane[2])
     lane[1] = sums[1] ^ (sums[1] >> 15);
 }
 
+/* Requirement: SR-23 */
 uint64_t crn_state_hash64(const crn_state *state)
 {
     const uint64_t prime = 1099511628211u,

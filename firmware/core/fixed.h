@@ -278,7 +278,7 @@ static inline int32_t crn_reciprocal_q30(uint32_t m_q31)
     /* |miss| < 2^-16 */
     int32_t miss_q47 = (int32_t)((int64_t)(((uint64_t)1 << 61) - (uint64_t)m_q31 * (uint32_t)y_q30) >> 14);
     int32_t step = crn_asr32((int32_t)(((int64_t)y_q30 * miss_q47 + ((int64_t)1 << 46)) >> 32), 15);
-    uint32_t better = (uint32_t)y_q30 + (uint32_t)step; /* at most 2^31 */
+    uint32_t better = (uint32_t)((int64_t)y_q30 + step); /* at most 2^31 */
     return better > INT32_MAX ? INT32_MAX : (int32_t)better;
 }
 
@@ -295,7 +295,7 @@ static inline int32_t crn_rsqrt_q30(uint32_t m_q32)
     /* |miss| < 2^-15 */
     int32_t miss_q46 = (int32_t)((int64_t)(((uint64_t)1 << 61) - (uint64_t)root_q31 * y_q30) >> 15);
     int32_t step = crn_asr32((int32_t)(((int64_t)(int32_t)y_q30 * miss_q46 + ((int64_t)1 << 46)) >> 32), 15);
-    uint32_t better = y_q30 + (uint32_t)step; /* at most 2^31 */
+    uint32_t better = (uint32_t)((int64_t)y_q30 + step); /* at most 2^31 */
     return better > INT32_MAX ? INT32_MAX : (int32_t)better;
 }
 

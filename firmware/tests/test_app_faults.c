@@ -73,6 +73,7 @@ static void expect_safe(crn_fault_code code)
 
 /* --- lines --- */
 
+/* Requirement: SR-14 */
 static void the_emergency_stop_takes_the_power(void **state)
 {
     (void)state;
@@ -92,6 +93,7 @@ static void a_lost_supply_takes_the_power(void **state)
     expect_latched(CRN_FAULT_CODE_SUPPLY_LOST);
 }
 
+/* Requirement: SR-09, SR-15 */
 static void a_power_stage_that_went_off_stays_off(void **state)
 {
     (void)state;
@@ -185,6 +187,7 @@ static void a_lost_encoder_takes_the_power(void **state)
     }
 }
 
+/* Requirement: SR-12 */
 static void a_jump_of_the_translation_takes_the_power(void **state)
 {
     (void)state;
@@ -194,6 +197,7 @@ static void a_jump_of_the_translation_takes_the_power(void **state)
     expect_latched(CRN_FAULT_CODE_ENCODER_JUMP_TRANSLATION);
 }
 
+/* Requirement: SR-12 */
 static void a_jump_of_the_rotation_takes_the_power(void **state)
 {
     (void)state;
@@ -263,6 +267,7 @@ static void a_force_while_none_is_asked_takes_the_power(void **state)
 }
 
 /* The track's force limit is 1 N. The sensor reads the motor's 0.9 N plus 0.45 N, about 1.4 N. */
+/* Requirement: SR-10 */
 static void a_force_beyond_the_limit_takes_the_power(void **state)
 {
     (void)state;
@@ -349,6 +354,7 @@ static void a_reversed_encoder_takes_the_power(void **state)
 
 /* --- host and clock --- */
 
+/* Requirement: SR-16 */
 static void a_silent_host_takes_the_forces_within_its_time(void **state)
 {
     (void)state;
@@ -495,6 +501,7 @@ static const crn_port port = {.context = &outputs,
                               .now_us = no_time,
                               .serial = "x"};
 
+/* Requirement: SR-09 */
 static void an_error_of_our_own_takes_the_power_at_once(void **state)
 {
     (void)state;

@@ -148,6 +148,7 @@ static const crn_port port = {.transmit = swallow,
                               .now_us = no_time,
                               .serial = "stuck"};
 
+/* Requirement: SR-21 */
 static void only_an_edge_done_to_its_end_counts_for_the_watchdog(void **state)
 {
     (void)state;

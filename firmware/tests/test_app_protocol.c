@@ -41,6 +41,7 @@ static void refuse(uint8_t action, uint16_t code)
 
 /* --- two steps --- */
 
+/* Requirement: SR-08 */
 static void motors_need_both_steps_in_their_order_and_time(void **state)
 {
     (void)state;
@@ -116,6 +117,7 @@ static void a_permission_is_not_left_lying_about(void **state)
 
 /* The test takes the frames of a conversation that powers the motors, and sends each single frame twice to an
  * armed device. No single frame powers a motor. */
+/* Requirement: SR-08 */
 static void no_single_frame_powers_a_motor(void **state)
 {
     (void)state;
@@ -305,6 +307,7 @@ static void the_rig_is_read_back_as_it_is_in_force(void **state)
 
 /* The test puts one field of the message at a time out of its range. The device must refuse a message with a
  * field out of range, name the field's number, and change nothing. */
+/* Requirement: SR-19 */
 static void a_rig_that_cannot_be_is_refused_by_field(void **state)
 {
     (void)state;
@@ -335,6 +338,7 @@ static void a_rig_that_cannot_be_is_refused_by_field(void **state)
 
 /* The condition for a coupling is b > K (T / 2 + t) + B. With a rig damping b of 1 N s/m, a coupling damping
  * B of 0.2 N s/m and no lag t, a stiffness K of 1,600 N/m is allowed, but not 1,601 N/m. */
+/* Requirement: SR-07 */
 static void a_coupling_stiffer_than_the_rig_can_render_is_refused(void **state)
 {
     (void)state;
@@ -350,6 +354,7 @@ static void a_coupling_stiffer_than_the_rig_can_render_is_refused(void **state)
 /* A host that gives a thousandth of the true force per count of a sensor would defeat every check of forces.
  * The force sensors of the test bench have 1 mN per count, and a host may always send the value that is set
  * at present. */
+/* Requirement: SR-18 */
 static void the_force_sensors_scale_moves_by_a_quarter_without_the_local_unlock(void **state)
 {
     (void)state;
@@ -375,6 +380,7 @@ static void the_force_sensors_scale_moves_by_a_quarter_without_the_local_unlock(
     }
 }
 
+/* Requirement: SR-18 */
 static void limits_rise_only_with_the_local_unlock(void **state)
 {
     (void)state;

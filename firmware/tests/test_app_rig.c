@@ -80,6 +80,7 @@ static void expect_refused(const crn_wire_track *track, uint32_t field)
  * 0.5 ms has just enough damping for a coupling of K = 800 N/m and B = 0.2 N s/m (G: force gain, T: tick).
  * With a force gain of 2, the hand feels 1,600 N/m instead of 800 N/m, so only half of this stiffness and
  * half of the damping are allowed. */
+/* Requirement: SR-07 */
 static void a_gain_above_one_counts_as_stiffness_and_damping(void **state)
 {
     (void)state;
@@ -177,6 +178,7 @@ static void a_gain_above_one_needs_the_local_unlock(void **state)
 
 /* If a host could claim damping that the rig does not have, the device would accept a coupling that the rig
  * cannot render. */
+/* Requirement: SR-18 */
 static void more_damping_than_was_built_needs_the_local_unlock(void **state)
 {
     (void)state;

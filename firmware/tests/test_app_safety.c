@@ -137,6 +137,7 @@ static void send_rig(const uint32_t *limits_mN, uint16_t count)
 /* The host's message sets the force limit of the third track higher than is allowed, so the device refuses
  * the message. The first two tracks also keep their old force limits, although the message lowers these
  * limits to allowed values. */
+/* Requirement: SR-19 */
 static void a_rig_is_taken_over_whole_or_not_at_all(void **state)
 {
     (void)state;
@@ -161,6 +162,7 @@ static bool grows_within(int32_t last, int32_t now, int32_t slew)
 
 /* All hands move with a sudden jerk while the force gain is 4. In every tick, the force of every motor must
  * stay within its own limit and slew limit; more than one motor must be active. */
+/* Requirement: SR-01, SR-02 */
 static void motors_stay_within_their_own_limit_and_slew(void **state)
 {
     (void)state;
@@ -267,6 +269,7 @@ static void a_lockstep_session_goes_on_after_stop_as_if_it_had_not_stopped(void 
 
 /* The device refuses a snapshot if a field of any tool in the snapshot's header is damaged, or if the
  * snapshot has fewer tools than the session. */
+/* Requirement: SR-19 */
 static void a_damaged_or_foreign_snapshot_leaves_the_state(void **state)
 {
     (void)state;

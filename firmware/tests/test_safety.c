@@ -34,6 +34,7 @@ static void a_rig_at_rest_is_well_with_and_without_power(void **state)
 
 /* --- lines --- */
 
+/* Requirement: SR-14 */
 static void each_line_takes_the_power_at_its_edge(void **state)
 {
     (void)state;
@@ -59,6 +60,7 @@ static void lines_of_a_rig_without_power_are_no_fault(void **state)
     assert_int_equal(safety_bench_find(&bench, 100), 0);
 }
 
+/* Requirement: SR-15 */
 static void a_stage_that_went_off_or_never_comes_on_is_lost(void **state)
 {
     (void)state;
@@ -75,6 +77,7 @@ static void a_stage_that_went_off_or_never_comes_on_is_lost(void **state)
     expect_found(CRN_FAULT_CODE_STAGE_LOST, edges, CRN_PORT_DRIVE_HOLD_ms + 4);
 }
 
+/* Requirement: SR-15 */
 static void a_stage_that_stays_on_is_reported_once_in_any_state(void **state)
 {
     (void)state;
@@ -102,6 +105,7 @@ static void in_state_fault_nothing_else_is_reported(void **state)
 
 /* --- sensors --- */
 
+/* Requirement: SR-12 */
 static void a_lost_encoder_takes_the_power_of_a_track_with_a_tool(void **state)
 {
     (void)state;
@@ -118,6 +122,7 @@ static void a_lost_encoder_takes_the_power_of_a_track_with_a_tool(void **state)
     assert_int_equal(bench.found.value2, 1);
 }
 
+/* Requirement: SR-13 */
 static void a_force_sensor_is_lost_by_its_word_by_absence_or_by_an_impossible_force(void **state)
 {
     (void)state;
@@ -136,6 +141,7 @@ static void a_force_sensor_is_lost_by_its_word_by_absence_or_by_an_impossible_fo
     assert_int_equal(safety_bench_find(&bench, 100), 0);
 }
 
+/* Requirement: SR-14 */
 static void an_over_current_counts_from_its_second_edge_in_a_row(void **state)
 {
     (void)state;
@@ -151,6 +157,7 @@ static void an_over_current_counts_from_its_second_edge_in_a_row(void **state)
 /* --- forces --- */
 
 /* The border is limit + limit / 8 + 200 mN. */
+/* Requirement: SR-10 */
 static void a_force_beyond_the_limit_counts_from_its_second_edge(void **state)
 {
     (void)state;
@@ -177,6 +184,7 @@ static void a_lower_limit_is_kept_too(void **state)
     expect_found(CRN_FAULT_CODE_FORCE_OVER, safety_bench_find(&bench, 5), 2);
 }
 
+/* Requirement: SR-11 */
 static void a_force_that_nobody_asked_for_counts_in_every_state_from_its_third_edge(void **state)
 {
     (void)state;
@@ -189,6 +197,7 @@ static void a_force_that_nobody_asked_for_counts_in_every_state_from_its_third_e
 }
 
 /* The requested force is 400 mN, so the border of the measured force is 400 + 1000 + 400 / 4 mN. */
+/* Requirement: SR-11 */
 static void a_force_larger_than_asked_for_is_a_mismatch_from_its_third_edge(void **state)
 {
     (void)state;
@@ -230,12 +239,33 @@ static int pull(int32_t counts)
     return 0;
 }
 
+/* Requirement: SR-12 */
 static void an_unbalanced_force_must_move_the_encoder_its_own_way(void **state)
 {
     (void)state;
     expect_found(CRN_FAULT_CODE_ENCODER_STUCK, pull(0), 4);
     expect_found(CRN_FAULT_CODE_ENCODER_REVERSED, pull(-8), 4);
     assert_int_equal(pull(8), 0);
+}
+
+/* An encoder whose counts are absurd, at the coarsest scale, against the pull of a hand. Each change counts
+ * as twice the largest plausible jump, so no sum overflows. Unlimited, the product of counts and scale would
+ * exceed 2^63 nm, and would change its sign. */
+/* Requirement: SR-12 */
+static void an_encoder_that_leaps_backwards_is_reversed_at_any_size(void **state)
+{
+    (void)state;
+    safety_bench_drive(&bench);
+    bench.safety.tracks[0].translation_pm_per_count = 500000000;
+    bench.safety.tracks[0].jump_counts = CRN_APP_JUMP_um / 500;
+    bench.rig.tracks[0].force_raw = 950;
+    int edges = 0;
+    do {
+        const uint32_t counts = (uint32_t)bench.rig.hands[0].translation_counts;
+        bench.rig.hands[0].translation_counts = (int32_t)(counts - 667000000u);
+        edges++;
+    } while (safety_bench_edge(&bench) == CRN_FAULT_CODE_NONE && edges < 100);
+    expect_found(CRN_FAULT_CODE_ENCODER_REVERSED, edges, 39);
 }
 
 static void a_balanced_force_may_stand_still(void **state)
@@ -283,6 +313,7 @@ static void the_first_reason_against_power_is_named(void **state)
     expect_ready(CRN_FAULT_CODE_NONE);
 }
 
+/* Requirement: SR-13 */
 static void a_track_without_a_force_sensor_needs_the_local_unlock(void **state)
 {
     (void)state;
@@ -312,6 +343,7 @@ int main(void)
         cmocka_unit_test(a_force_larger_than_asked_for_is_a_mismatch_from_its_third_edge),
         cmocka_unit_test(the_sensors_zero_and_scale_are_those_of_the_track),
         cmocka_unit_test(an_unbalanced_force_must_move_the_encoder_its_own_way),
+        cmocka_unit_test(an_encoder_that_leaps_backwards_is_reversed_at_any_size),
         cmocka_unit_test(a_balanced_force_may_stand_still),
         cmocka_unit_test(the_first_reason_against_power_is_named),
         cmocka_unit_test(a_track_without_a_force_sensor_needs_the_local_unlock),

@@ -35,6 +35,7 @@ static crn_findings edges_apart(uint32_t gap_us, bool is_driving)
     return findings;
 }
 
+/* Requirement: SR-17 */
 static void edges_more_than_5_ms_apart_take_the_power(void **state)
 {
     (void)state;
@@ -79,6 +80,7 @@ static void a_late_tick_is_reported_and_made_up_for(void **state)
     assert_int_equal(clock.tick_us_max, 1800);
 }
 
+/* Requirement: SR-17 */
 static void a_backlog_of_more_than_2_ms_takes_the_power_after_its_overrun(void **state)
 {
     (void)state;
@@ -96,6 +98,7 @@ static void a_backlog_of_more_than_2_ms_takes_the_power_after_its_overrun(void *
 
 /* --- the host's silence --- */
 
+/* Requirement: SR-16 */
 static void a_silent_host_is_reported_once_after_30_ticks_and_faded_out_after_42(void **state)
 {
     (void)state;
@@ -130,6 +133,7 @@ static void a_frame_every_29_ticks_is_no_silence(void **state)
 
 /* --- the permission --- */
 
+/* Requirement: SR-08 */
 static void only_the_code_itself_is_the_right_answer_and_only_once(void **state)
 {
     (void)state;

@@ -22,6 +22,7 @@ static int32_t given(void)
 
 /* --- limit, slew, power --- */
 
+/* Requirement: SR-01, SR-02 */
 static void a_force_grows_by_the_slew_up_to_the_limit_and_falls_at_once(void **state)
 {
     (void)state;
@@ -39,6 +40,7 @@ static void a_force_grows_by_the_slew_up_to_the_limit_and_falls_at_once(void **s
     }
 }
 
+/* Requirement: SR-03 */
 static void only_a_track_with_power_a_tool_a_coupling_and_a_sample_is_driven(void **state)
 {
     (void)state;
@@ -62,6 +64,7 @@ static void only_a_track_with_power_a_tool_a_coupling_and_a_sample_is_driven(voi
     assert_false(bench.outputs.enable);
 }
 
+/* Requirement: SR-03 */
 static void the_drive_line_flips_once_per_edge_with_power_and_stands_without(void **state)
 {
     (void)state;
@@ -110,6 +113,7 @@ static void move(carriage *it)
     bench.rig.tracks[0].force_raw = 0;
 }
 
+/* Requirement: SR-04 */
 static void a_force_that_nobody_holds_ends_within_32_ms_at_a_hands_speed(void **state)
 {
     (void)state;
@@ -129,6 +133,7 @@ static void a_force_that_nobody_holds_ends_within_32_ms_at_a_hands_speed(void **
 
 /* The carriage does not move in this test, so the speed limits have no effect. The motor's force stays
  * unchanged for the first 12 edges of the millisecond timer, and fades during the next 20 edges. */
+/* Requirement: SR-04 */
 static void a_force_that_nobody_holds_ends_in_time_without_any_motion(void **state)
 {
     (void)state;
@@ -178,6 +183,7 @@ static int run_away(int edges, int32_t counts, int32_t felt_mN)
 /* One count of the encoder is subtracted before the speed is computed, because a reading may be one count too
  * large. After this subtraction, a travel of 252 um in 1 ms means a speed of at least 251 mm/s. If the
  * encoder moves by 250 um in each of eight milliseconds, the computed speed is just less than 250 mm/s. */
+/* Requirement: SR-05 */
 static void a_carriage_that_its_motor_made_fast_stops(void **state)
 {
     (void)state;
@@ -204,6 +210,7 @@ static void a_carriage_that_a_hand_throws_goes_on(void **state)
     }
 }
 
+/* Requirement: SR-06 */
 static void energy_that_a_track_gives_stops_at_the_hundredth_edge(void **state)
 {
     (void)state;
@@ -245,6 +252,7 @@ static int oscillate(int ticks_per_swing, int32_t hand_mN, int32_t motor_mN, boo
 
 /* The device detects the oscillation at a reversal of the carriage, once the swings after the first one have
  * lasted 25 ms. */
+/* Requirement: SR-06 */
 static void a_cycle_that_the_motor_sustains_is_found(void **state)
 {
     (void)state;

@@ -1,9 +1,11 @@
 /* This program makes a device visible to a guest machine in QEMU: it translates between the device's USB
  * tokens and the protocol usbredir on a unix socket.
  *
- *   bridge SOCKET --here                     the loop-back rig, in this process
- *   bridge SOCKET --app                      the whole app, in this process
- *   bridge SOCKET --mailbox FILE[:OFFSET]    whatever serves the mailbox in FILE
+ *   bridge SOCKET [--full-speed] DEVICE
+ *
+ *   --here                     the loop-back rig, in this process
+ *   --app                      the whole app, in this process
+ *   --mailbox FILE[:OFFSET]    whatever serves the mailbox in FILE
  *
  * The program waits for QEMU to connect (`-chardev socket,path=SOCKET -device usb-redir`), and ends when QEMU
  * disconnects. The device may disconnect itself, restart, and connect again at any time. The exit code is
@@ -34,7 +36,9 @@ typedef struct bridge {
     usb_urbs urbs;
     bool is_shown; /* device_connect was sent */
     bool is_dead;
+    bool is_full_speed; /* a cable that carries 12 Mbit/s only */
     uint8_t configuration;
+    uint8_t interfaces[USB_URBS_PIPES]; /* to which each endpoint belongs */
     int64_t stream_ns; /* end of the stream's last transfer: the next one follows soon, and waking up takes
                           time */
 } bridge;
@@ -74,7 +78,9 @@ static bool address_device(bridge *b)
 {
     cancel_all(b);
     b->configuration = 0;
-    if (usb_host_bus(b->peer.host, CRN_MAILBOX_RESET_HIGH) != USB_OK) return false;
+    if (usb_host_bus(b->peer.host, b->is_full_speed ? CRN_MAILBOX_RESET_FULL : CRN_MAILBOX_RESET_HIGH) !=
+        USB_OK)
+        return false;
     if (control(b, 0x00, 5, 1, 0, 0, NULL, NULL) != USB_OK) return false;
     b->peer.host->address = 1;
     return true;
@@ -111,7 +117,7 @@ static void describe(bridge *b, const uint8_t *bytes, uint32_t count)
             const uint16_t packet_bytes = (uint16_t)(part[4] | part[5] << 8);
             endpoints.type[pipe] = usb_redir_type_bulk;
             endpoints.interval[pipe] = part[6];
-            endpoints.interface[pipe] = interface;
+            endpoints.interface[pipe] = b->interfaces[pipe] = interface;
             endpoints.max_packet_size[pipe] = packet_bytes;
             b->urbs.packet_bytes[pipe] = packet_bytes <= CRN_MAILBOX_DATA_MAX ? packet_bytes : 0;
         }
@@ -130,7 +136,7 @@ static bool show(bridge *b)
     if (control(b, 0x80, 6, 0x0200, 0, sizeof configuration, configuration, &count) != USB_OK) return false;
     describe(b, configuration, count);
     struct usb_redir_device_connect_header connect = {
-        .speed = usb_redir_speed_high,
+        .speed = b->is_full_speed ? usb_redir_speed_full : usb_redir_speed_high,
         .device_class = device[4],
         .device_subclass = device[5],
         .device_protocol = device[6],
@@ -187,8 +193,20 @@ static void on_set_configuration(void *context, uint64_t id,
 static void on_get_configuration(void *context, uint64_t id)
 {
     bridge *b = context;
-    struct usb_redir_configuration_status_header answer = {usb_redir_success, b->configuration};
+    uint8_t configuration = 0;
+    uint32_t count = 0;
+    const usb_result result = control(b, 0x80, 8, 0, 0, 1, &configuration, &count);
+    struct usb_redir_configuration_status_header answer = {status_of(result), configuration};
     usbredirparser_send_configuration_status(b->parser, id, &answer);
+}
+
+/* The device begins again with DATA0 on every endpoint of the interface, so the host does. */
+static void restart_endpoints(bridge *b, uint8_t interface)
+{
+    for (unsigned number = 1; number < 16; number++) {
+        if (b->interfaces[number] == interface) b->peer.host->toggle_out[number] = false;
+        if (b->interfaces[number | 0x10] == interface) b->peer.host->toggle_in[number] = false;
+    }
 }
 
 static void on_set_alt_setting(void *context, uint64_t id, struct usb_redir_set_alt_setting_header *header)
@@ -196,17 +214,17 @@ static void on_set_alt_setting(void *context, uint64_t id, struct usb_redir_set_
     bridge *b = context;
     const usb_result result = control(b, 0x01, 11, header->alt, header->interface, 0, NULL, NULL);
     struct usb_redir_alt_setting_status_header answer = {status_of(result), header->interface, header->alt};
-    if (result == USB_OK && header->interface == 1) /* restarts the endpoint pair, so both ends do */
-        b->peer.host->toggle_in[2] = b->peer.host->toggle_out[2] = false;
-    if (result == USB_OK && header->interface == 0)
-        b->peer.host->toggle_in[1] = b->peer.host->toggle_out[1] = false;
+    if (result == USB_OK) restart_endpoints(b, header->interface);
     usbredirparser_send_alt_setting_status(b->parser, id, &answer);
 }
 
 static void on_get_alt_setting(void *context, uint64_t id, struct usb_redir_get_alt_setting_header *header)
 {
     bridge *b = context;
-    struct usb_redir_alt_setting_status_header answer = {usb_redir_success, header->interface, 0};
+    uint8_t setting = 0;
+    uint32_t count = 0;
+    const usb_result result = control(b, 0x81, 10, 0, header->interface, 1, &setting, &count);
+    struct usb_redir_alt_setting_status_header answer = {status_of(result), header->interface, setting};
     usbredirparser_send_alt_setting_status(b->parser, id, &answer);
 }
 
@@ -382,11 +400,15 @@ int main(int argc, char **argv)
 {
     static bridge b;
     int used = 0;
-    const char *wrong = usb_peer_open(&b.peer, argc - 2, argv + 2, &used);
-    if (wrong == NULL && argc != 2 + used) wrong = "there are words that mean nothing";
+    b.is_full_speed = argc > 2 && strcmp(argv[2], "--full-speed") == 0;
+    const int first = b.is_full_speed ? 3 : 2;
+    const char *wrong = usb_peer_open(&b.peer, argc - first, argv + first, &used);
+    if (wrong == NULL && argc != first + used) wrong = "there are words that mean nothing";
     if (wrong != NULL) {
-        fprintf(stderr, "bridge: %s\nusage: bridge SOCKET (--here | --app | --mailbox FILE[:OFFSET])\n",
-                wrong);
+        fprintf(
+            stderr,
+            "bridge: %s\nusage: bridge SOCKET [--full-speed] (--here | --app | --mailbox FILE[:OFFSET])\n",
+            wrong);
         return 2;
     }
     b.urbs = (usb_urbs){.host = b.peer.host, .complete = on_complete, .context = &b};

@@ -2,14 +2,14 @@
 """Provides Debian's own kernel for the guest machine of test level L3: downloads the packages and extracts the needed
 files.
 
-  kernel.py FOLDER     leaves FOLDER/vmlinux and FOLDER/initrd; does nothing when this program has made them
+  kernel.py FOLDER     leaves vmlinux, initrd and usbtest.ko in FOLDER; does nothing when this program has made them
 
 The kernel comes from the package on which linux-image-amd64 depends at the time of the download. The package is only
 unpacked and never installed. The file vmlinux is the kernel inside vmlinuz, without the real-mode code and without
 compression; the guest boots three seconds sooner with vmlinux than with vmlinuz. The initrd holds busybox, an init
-program, and kernel modules: those for 9p, xHCI, HID and a virtual serial port, and all modules on which these depend.
-The init program runs one script in the host's file tree, which the guest sees read-only. One folder of the host is
-writable in the guest at /mnt."""
+program, and kernel modules: those for 9p, xHCI, EHCI, HID and a virtual serial port, and all modules on which these
+depend. The init program runs one script in the host's file tree, which the guest sees read-only. One folder of the host
+is writable in the guest at /mnt. The module usbtest is not loaded at the start; the program that needs it loads it."""
 
 import hashlib
 import io
@@ -20,7 +20,8 @@ import subprocess
 import sys
 import tempfile
 
-MODULES = ["virtio_pci", "virtio_console", "9pnet_virtio", "9p", "xhci_pci", "usbhid", "hid_generic", "usbmon"]
+MODULES = ["virtio_pci", "virtio_console", "9pnet_virtio", "9p", "xhci_pci", "ehci_pci", "usbhid", "hid_generic"]
+MODULES += ["usbmon"]
 XZ_MAGIC = b"\xfd7zXZ\x00"
 
 # The output of the serial line between the two marks is the command's; the last line is its exit code.
@@ -157,10 +158,11 @@ def write(path, data):
 
 def prepare(folder):
     """Returns the paths of vmlinux and initrd; makes these files if they are missing."""
-    vmlinux, initrd, stamp = (os.path.join(folder, name) for name in ("vmlinux", "initrd", "made_by"))
+    names = ("vmlinux", "initrd", "usbtest.ko", "made_by")
+    vmlinux, initrd, usbtest, stamp = (os.path.join(folder, name) for name in names)
     with open(os.path.abspath(__file__), "rb") as file:
         made_by = hashlib.sha256(file.read()).hexdigest()
-    if all(os.path.exists(path) for path in (vmlinux, initrd, stamp)):
+    if all(os.path.exists(path) for path in (vmlinux, initrd, usbtest, stamp)):
         with open(stamp, encoding="ascii") as file:
             if file.read() == made_by:
                 return vmlinux, initrd
@@ -172,6 +174,8 @@ def prepare(folder):
         with open(os.path.join(root, "boot", kernels[0]), "rb") as file:
             write(vmlinux, extract_vmlinux(file.read()))
         write(initrd, make_initrd(root))
+        with open(module_paths(os.path.join(root, "lib", "modules"))["usbtest"], "rb") as file:
+            write(usbtest, file.read())
         write(stamp, made_by.encode())
     return vmlinux, initrd
 

@@ -3,11 +3,11 @@
 
   run_guest.py [options] (--here | --app | --mailbox FILE[:OFFSET])... -- COMMAND ARGUMENT...
 
-QEMU emulates an x86-64 PC with a USB controller (xHCI); for each device, a bridge connects the device to the PC by
-usbredir. COMMAND runs in the guest in the current folder. The host's file tree is mounted read-only, so COMMAND can run
-the programs of the build tree. The folder of --out is /mnt in the guest and is writable. This script prints the output
-of COMMAND at once. The script's exit code is that of COMMAND, or 1 when a part of the test did not start or took too
-long. No process outlives the deadline."""
+QEMU emulates an x86-64 PC with a USB controller (xHCI or EHCI); for each device, a bridge connects the device to the PC
+by usbredir. COMMAND runs in the guest in the current folder. The host's file tree is mounted read-only, so COMMAND can
+run the programs of the build tree. The folder of --out is /mnt in the guest and is writable. This script prints the
+output of COMMAND at once. The script's exit code is that of COMMAND, or 1 when a part of the test did not start or took
+too long. No process outlives the deadline."""
 
 import argparse
 import os
@@ -58,10 +58,11 @@ def qemu_command(options, folder, sockets):
         "-device",
         "virtio-9p-pci,fsdev=out,mount_tag=out",
         "-device",
-        "qemu-xhci",
+        {"xhci": "qemu-xhci", "ehci": "usb-ehci"}[options.controller] + ",id=usb",
     ]
     for i, socket in enumerate(sockets):
-        command += ["-chardev", "socket,id=device%d,path=%s" % (i, socket), "-device", "usb-redir,chardev=device%d" % i]
+        command += ["-chardev", "socket,id=device%d,path=%s" % (i, socket)]
+        command += ["-device", "usb-redir,bus=usb.0,chardev=device%d" % i]
     if options.channel:
         command += [
             "-device",
@@ -122,7 +123,7 @@ def run_guest(options, folder):
     bridges, guest = [], None
     try:
         for socket, device in zip(sockets, options.devices):
-            bridges.append(subprocess.Popen([options.bridge, socket] + device))
+            bridges.append(subprocess.Popen([options.bridge, socket] + ["--full-speed"] * options.full_speed + device))
         for socket, bridge in zip(sockets, bridges):
             if not wait_for(socket, bridge, 5):
                 print("run_guest: the bridge did not start", file=sys.stderr)
@@ -159,6 +160,8 @@ def parse(arguments):
     )
     parser.add_argument("--seconds", type=int, default=60, help="deadline (default: 60)")
     parser.add_argument("--out", metavar="FOLDER", help="what the guest may write into")
+    parser.add_argument("--controller", choices=["xhci", "ehci"], default="xhci", help="of the PC (default: xhci)")
+    parser.add_argument("--full-speed", action="store_true", help="the devices' cables carry 12 Mbit/s only")
     parser.add_argument("--channel", metavar="SOCKET", help="what the guest's /dev/vport0p1 talks to")
     parser.add_argument(
         "--here", dest="devices", action="append_const", const=["--here"], help="the loop-back rig inside the bridge"

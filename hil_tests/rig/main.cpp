@@ -1,7 +1,7 @@
 // This is the program hil_rig. The program starts a simulated rig with an emulated device, runs a command,
 // and ends when this command ends.
 //
-//   hil_rig [--serial S] [--live] -- COMMAND ARGUMENT...
+//   hil_rig [--serial S] [--image FILE] [--live] -- COMMAND ARGUMENT...
 //
 // The device's image runs in an emulator. The device gets its clock and its sensor values from one of two
 // sources. With --live, a simulated rig in this process makes clock and sensor values in real time, and its
@@ -33,7 +33,7 @@ using Clock = std::chrono::steady_clock;
 constexpr int poll_ms = 50;
 
 struct Options {
-    std::string serial = "AN500-0001", device = "rig";
+    std::string serial = "AN500-0001", image;
     bool is_live = false;
     std::vector<std::string> command;
 };
@@ -60,8 +60,9 @@ void move_hand(hil::Plant &plant)
 class LiveRig
 {
   public:
-    explicit LiveRig(const std::string &serial)
-        : bench_(settings(), {.image = {}, .icount_shift = 0, .serial = serial, .debugger = {}})
+    explicit LiveRig(const Options &options)
+        : bench_(settings(),
+                 {.image = options.image, .icount_shift = 0, .serial = options.serial, .debugger = {}})
     {
         bench_.plant().track(0).translation.set_hand(hil::Hand::spring);
     }
@@ -149,7 +150,7 @@ std::optional<int> ended(pid_t child)
 
 int run_live(const Options &options)
 {
-    LiveRig rig(options.serial);
+    LiveRig rig(options);
     const pid_t child = start(filled_in(options.command, "{mailbox}", rig.mailbox()));
     std::atomic<bool> is_over = false;
     std::optional<int> code;
@@ -189,7 +190,8 @@ int listen_at(const std::string &path)
 
 int run_served(const Options &options)
 {
-    crn::Emulator emulator({.image = {}, .icount_shift = 0, .serial = options.serial, .debugger = {}});
+    crn::Emulator emulator(
+        {.image = options.image, .icount_shift = 0, .serial = options.serial, .debugger = {}});
     const std::string socket_path =
         std::filesystem::path(emulator.memory_path()).replace_filename("bench").string();
     const int listener = listen_at(socket_path);
@@ -219,6 +221,7 @@ int main(int argc, char **argv)
     Options options;
     CLI::App app("A rig of numbers and emulation, for as long as a command runs beside it (docs/hil.md)");
     app.add_option("--serial", options.serial, "Of the device")->capture_default_str();
+    app.add_option("--image", options.image, "Of the device; build/firmware has the one that ships");
     app.add_flag("--live", options.is_live, "The rig moves by itself, in real time");
     app.add_option("command", options.command,
                    "What to run; {mailbox} is the place of the USB tokens, {bench} the bench's socket")

@@ -290,6 +290,7 @@ static crn_scene_status check_scene(crn_scene_check *check, crn_scene *scene)
     return CRN_SCENE_OK;
 }
 
+/* Requirement: SR-20 */
 crn_scene_status crn_scene_open(const uint8_t *bytes, size_t size, crn_scene *scene, uint32_t *where_byte)
 {
     crn_scene_check check = {.bytes = bytes, .size = size, .kind = CRN_SCENE_KIND_SCENE};

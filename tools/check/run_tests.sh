@@ -12,7 +12,7 @@ begin=$SECONDS
 note() { echo "$1: $((SECONDS - begin)) s"; }
 if [ "$what" = lab ]; then
     tools/build.sh release run,tools,tests,lab crn_tests_lab || status=1
-    tools/build.sh m7 run all || status=1
+    tools/build.sh m7 run all usbtest-mps2_an500 || status=1
     tools/build.sh sanitize run,tests crn_tests_lab cournand hil_programs || status=1
 elif [ "$what" = hours ]; then
     tools/build.sh release run,tools,tests,lab cournand anatomy bake centreline cournand_library peer_moving || status=1

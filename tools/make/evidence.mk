@@ -8,11 +8,11 @@ lab: packages-build+tools+lab ## build every program of tools/lab
 	$(call build,release,$(LAB),all)
 
 test-lab: ## test the evidence: the thesis, calibration, CT, peers, bars, malformed files
-test-lab: packages-build+tools+lab+test+matrix+usb+bench+tracker
+test-lab: packages-build+tools+lab+test+hil+matrix+usb+bench+tracker+safety
 	@JOBS=$(JOBS) tools/check/run_tests.sh lab
 
 test-hours: ## play every case, 20 experts and 20 novices, race the window's threads, install packages (hours)
-test-hours: packages-build+window+tools+lab+test+peers+deb+debtest
+test-hours: packages-build+window+tools+lab+test+peers+deb+debtest+safety
 	@JOBS=$(JOBS) tools/check/run_tests.sh hours
 
 tracker: ## train a tracker of tips on 5,000 pictures, and judge it on others: out/tracker (an hour)

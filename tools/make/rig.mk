@@ -1,7 +1,7 @@
 # Firmware, rigs, and the levels of emulation: docs/hil.md, docs/porting.md, docs/rig.md.
 ##@ For rig builders
 .PHONY: firmware firmware-board registers install-udev hil hil-full hil-faults hil-loop hil-emulator
-.PHONY: hil-machines hil-mock hil-guest hil-rig
+.PHONY: hil-machines hil-mock hil-guest hil-usbtest hil-rig
 .PHONY: hil-board hil-board-faults hil-board-mutants hil-passivity hil-lies soak
 IMAGE_ARGS   = -DCRN_USB_ID=$(USB_ID)
 
@@ -62,7 +62,7 @@ hil: $(HIL_PACKAGES) ## run every level of emulation with every case, and the ao
 
 hil-full: ## run make hil with a minute of FREE_RUN, all cases at L2 and L3, 520 faults, all sanitized
 	@SHORT="--pause 1" LIMIT=600 STRICT=1 $(MAKE) --no-print-directory hil HIL_LED=60 HIL_FREE=60000 HIL_SPREAD=520
-	$(again) hil-faults
+	$(again) hil-faults hil-usbtest
 
 hil-faults: packages-build+test+usb ## inject every fault at L0 under the sanitizers (a few minutes)
 	$(call build,sanitize,run$(comma)tests,hil_campaign)
@@ -80,6 +80,12 @@ hil-mock: ## run level L2: libusb and hidapi see the device by umockdev, on a ma
 hil-guest: ## run level L3: the device behind a real Linux: Debian's kernel in QEMU, xHCI, libusb, hidapi
 hil-machines: packages-build+matrix ## run level L4: one hash on five machines, and the app with its wire there
 	@tools/check/matrix.py --short --jobs $(JOBS) && hil_tests/l4/wire_everywhere.sh
+
+hil-usbtest: ## run the kernel's own USB tests (usbtest) on source and sink in both images: out/hil_usbtest.tsv
+hil-usbtest: $(HIL_PACKAGES)
+	$(call build,release,run$(comma)tools$(comma)tests,hil_rig hil_rt1062 hil_programs)
+	$(call build,m7,run,cournand-mps2_an500 usbtest-mps2_an500 usbtest-imxrt1062)
+	@BUILD=$(BUILD) hil_tests/l3/usbtest.sh
 
 hil-board: ## run the board's own image on its emulated chip: the cases, L3, aorta and heart to the host's hash
 hil-board: $(HIL_PACKAGES)

@@ -36,6 +36,7 @@ static crn_fault_code hand_moved(const crn_hand_counts *hand, const crn_hand_tra
     return CRN_FAULT_CODE_NONE;
 }
 
+/* Requirement: SR-12 */
 bool crn_hands_update(crn_hands *hands, uint32_t tool_count, const crn_port_hand now[CRN_PORT_TOOL_MAX],
                       crn_findings *findings)
 {

@@ -51,6 +51,7 @@ static inline int32_t crn_limited(int64_t value, int64_t low, int64_t high)
  * than its cause drives the hand. With a slew limit that also applied to decreasing forces, a handle released
  * at 4 N recoiled at 1.2 m/s during the 80 ms that the force took to end. The requested value `target` may be
  * far out of its range. */
+/* Requirement: SR-01, SR-02 */
 static inline int32_t crn_approach(int32_t present, int64_t target, int32_t slew, int32_t limit)
 {
     const int64_t low = present < 0 ? present : 0, high = present > 0 ? present : 0;

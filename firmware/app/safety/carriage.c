@@ -31,11 +31,15 @@ enum {
 
 static const int64_t given_max_pJ = CRN_APP_GIVEN_MAX_mJ * (int64_t)1000000000;
 
+/* A change of the counts that is larger than twice the largest plausible jump is not a motion, so the code
+ * limits it, and no sum of the safety checks can overflow. */
 int32_t crn_carriage_moved(const crn_safety *safety, const crn_port_inputs *rig, uint32_t k)
 {
     const uint32_t now = (uint32_t)rig->hands[k].translation_counts,
                    last = (uint32_t)safety->watches[k].last.translation_counts;
-    return crn_i32_from_u32(safety->tracks[k].is_reversed ? last - now : now - last);
+    const int32_t most = 2 * (int32_t)safety->tracks[k].jump_counts;
+    return crn_limited(crn_i32_from_u32(safety->tracks[k].is_reversed ? last - now : now - last), -most,
+                       most);
 }
 
 /* Returns the smallest speed of the carriage that agrees with its encoder counts, wherever the carriage
@@ -91,6 +95,7 @@ static int32_t speed_share(const crn_safety *safety, uint32_t k, int32_t asked_m
 /* The force sensor measures the force of a hand that holds the carriage; the reading may be wrong by up to a
  * quarter. For a track without a force sensor, the hand's force is unknown, and the limit depends on the
  * carriage's speed alone. */
+/* Requirement: SR-04 */
 int32_t crn_carriage_bound_mN(crn_safety *safety, const crn_port_inputs *rig, uint32_t k, int32_t asked_mN)
 {
     crn_safety_watch *watch = &safety->watches[k];
@@ -116,6 +121,7 @@ int32_t crn_carriage_bound_mN(crn_safety *safety, const crn_port_inputs *rig, ui
  * its motor does not drive it. If a hand moves the carriage, at any speed, the sensor measures the hand's
  * force. The check reports a fault only if a carriage gained its speed while no hand touched it and its motor
  * pushed it. */
+/* Requirement: SR-05 */
 static bool is_driven_fast(crn_safety *safety, const crn_port_inputs *rig, uint32_t k)
 {
     crn_safety_watch *watch = &safety->watches[k];
@@ -152,14 +158,12 @@ static bool cycle_lasts(crn_safety *safety, const crn_port_inputs *rig, uint32_t
     return crn_cycle_lasts(&safety->watches[k].cycle, &edge);
 }
 
+/* Requirement: SR-06 */
 crn_fault_code crn_carriage_check(crn_safety *safety, const crn_safety_input *input, uint32_t k,
                                   int32_t *value)
 {
     crn_safety_watch *watch = &safety->watches[k];
-    /* A change of the counts that is larger than twice the largest plausible jump is not a motion, so the
-     * code limits it, and the sums cannot overflow. */
-    const int32_t most = 2 * (int32_t)safety->tracks[k].jump_counts;
-    const int32_t moved = crn_limited(crn_carriage_moved(safety, input->rig, k), -most, most);
+    const int32_t moved = crn_carriage_moved(safety, input->rig, k);
     watch->moved[safety->asked_at] = moved;
     if (is_driven_fast(safety, input->rig, k)) {
         *value = crn_size_of(speed_um_s(safety, k)) / 1000;

@@ -5,7 +5,8 @@
 
 #include "firmware/app/safety/safety.h"
 
-/* Returns the travel of the carriage since the last timer edge in counts, positive into the patient. */
+/* Returns the travel of the carriage since the last timer edge in counts, positive into the patient, and at
+ * most twice the largest plausible jump. */
 int32_t crn_carriage_moved(const crn_safety *safety, const crn_port_inputs *rig, uint32_t track);
 
 /* Returns the largest force that the motor of this track may give now. */

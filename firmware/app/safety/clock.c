@@ -13,6 +13,7 @@ void crn_clock_restart(crn_clock *clock)
     clock->has_edge = false;
 }
 
+/* Requirement: SR-17 */
 void crn_clock_begin(crn_clock *clock, uint32_t now_us, bool is_driving, crn_findings *findings)
 {
     const uint32_t gap = clock->has_edge ? now_us - clock->edge_us : 0;
@@ -22,6 +23,7 @@ void crn_clock_begin(crn_clock *clock, uint32_t now_us, bool is_driving, crn_fin
         crn_findings_add(findings, CRN_FAULT_CODE_TICK_STALLED, (int32_t)gap, (int32_t)clock->backlog_us);
 }
 
+/* Requirement: SR-17 */
 void crn_clock_end(crn_clock *clock, uint32_t now_us, bool is_driving, crn_findings *findings)
 {
     const uint32_t took = now_us - clock->edge_us;

@@ -62,11 +62,12 @@ static void turn(crn_safety_cycle *cycle, bool is_felt, int32_t driven_mN)
         is_sustained(&cycle->now, &cycle->last, is_felt) ? cycle->driven_ticks + cycle->now.ticks : 0;
     cycle->last = cycle->now;
     cycle->now = (crn_safety_swing){.low_mN = driven_mN, .high_mN = driven_mN};
-    cycle->at_nm -= cycle->far_nm;
+    cycle->at_nm = limited(cycle->at_nm - cycle->far_nm);
     cycle->far_nm = cycle->at_nm;
     cycle->direction = -cycle->direction;
 }
 
+/* Requirement: SR-06 */
 bool crn_cycle_lasts(crn_safety_cycle *cycle, const crn_carriage_edge *edge)
 {
     const int32_t driven_mN = edge->driven_mN;

@@ -15,6 +15,7 @@ void crn_safety_on(crn_safety *safety, const crn_safety_input *input)
     safety->is_driving = true;
 }
 
+/* Requirement: SR-03 */
 void crn_safety_off(crn_safety *safety, crn_port_outputs *outputs)
 {
     if (safety->is_driving) safety->idle_ticks = 0;
@@ -26,6 +27,7 @@ void crn_safety_off(crn_safety *safety, crn_port_outputs *outputs)
 /* A motor drives an axis of a track only through a virtual coupling, because the rod itself is stiffer than
  * any rig can render. Along the insertion axis, a motor exerts no more force than the hand that holds the
  * carriage resists. */
+/* Requirement: SR-01, SR-02 */
 static crn_port_motor driven(crn_safety *safety, const crn_safety_input *input, uint32_t k,
                              const crn_port_motor *asked)
 {
@@ -40,6 +42,7 @@ static crn_port_motor driven(crn_safety *safety, const crn_safety_input *input, 
                             track->is_driven_about ? asked->torque_uN_m : 0};
 }
 
+/* Requirement: SR-03 */
 void crn_safety_drive(crn_safety *safety, const crn_safety_input *input,
                       const crn_port_motor asked[CRN_PORT_TOOL_MAX], crn_port_outputs *outputs)
 {

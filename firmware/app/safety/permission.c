@@ -18,6 +18,7 @@ void crn_permission_offer(crn_permission *permission, uint32_t now_us)
     permission->age_ticks = 0;
 }
 
+/* Requirement: SR-08 */
 bool crn_permission_answer(crn_permission *permission, uint32_t code)
 {
     const uint32_t wanted = permission->code;
@@ -31,6 +32,7 @@ void crn_permission_give(crn_permission *permission)
     permission->age_ticks = 0;
 }
 
+/* Requirement: SR-08 */
 void crn_permission_age(crn_permission *permission)
 {
     if (permission->code == 0 && !permission->is_given) return;

@@ -55,6 +55,7 @@ static bool lasts(uint32_t *ticks, bool is_so, uint32_t limit)
 /* The check for forces that nobody requested runs in every state, because such a force comes from a broken
  * driver. If a requested force is missing, the hand may have released the carriage; the function
  * check_balance finds out whether this is the reason. */
+/* Requirement: SR-10, SR-11 */
 static crn_fault_code check_force(crn_safety *safety, uint32_t k, int32_t measured)
 {
     crn_safety_watch *watch = &safety->watches[k];
@@ -92,6 +93,7 @@ static void restart_watch(crn_safety_watch *watch, int32_t speed_counts)
  * CARRIAGE_TRAVEL_nm against its friction. After a travel of CARRIAGE_TRAVEL_nm, the check reports a fault if
  * the encoder has not moved, or if the encoder shows a motion against the force. Format: mN / kg = nm / ms^2;
  * travel in nm. */
+/* Requirement: SR-12 */
 static crn_fault_code check_balance(crn_safety *safety, const crn_port_inputs *rig, uint32_t k,
                                     int32_t measured)
 {
@@ -122,6 +124,7 @@ static crn_fault_code check_balance(crn_safety *safety, const crn_port_inputs *r
 
 /* --- one track, the lines, everything --- */
 
+/* Requirement: SR-13 */
 static bool force_sensor_is_lost(const crn_safety *safety, const crn_port_inputs *rig, uint32_t k)
 {
     const uint8_t sensor = rig->tracks[k].force_sensor;
@@ -158,12 +161,14 @@ static crn_fault_code check_track(crn_safety *safety, const crn_safety_input *in
     return code != CRN_FAULT_CODE_NONE ? code : crn_carriage_check(safety, input, k, value);
 }
 
+/* Requirement: SR-15 */
 static bool stage_is_stuck(const crn_safety *safety, const crn_safety_input *input)
 {
     return !safety->is_driving && input->rig != NULL && input->rig->stage_on &&
            safety->idle_ticks > STAGE_ticks;
 }
 
+/* Requirement: SR-14, SR-15 */
 static crn_fault_code check_lines(crn_safety *safety, const crn_safety_input *input)
 {
     const crn_port_inputs *rig = input->rig;
@@ -213,6 +218,7 @@ void crn_safety_check(crn_safety *safety, const crn_safety_input *input, crn_fin
     check_rig(safety, input, findings);
 }
 
+/* Requirement: SR-13 */
 crn_fault_code crn_safety_ready(const crn_safety *safety, const crn_safety_input *input)
 {
     const crn_port_inputs *rig = input->rig;

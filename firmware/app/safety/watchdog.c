@@ -14,6 +14,7 @@ bool crn_watchdog_feed(crn_watchdog *watchdog)
     return was_fading;
 }
 
+/* Requirement: SR-16 */
 void crn_watchdog_tick(crn_watchdog *watchdog, crn_findings *findings)
 {
     if (watchdog->silent_ticks >= CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks) return;

@@ -35,6 +35,12 @@
 #define CRN_USB_PRODUCT_ID 0x0001
 #endif
 
+/* Interfaces and endpoints. Only the images for the kernel's module usbtest have another table
+ * (firmware/app/usb/source_sink). */
+#ifndef CRN_USB_TABLE
+#define CRN_USB_TABLE "firmware/app/usb/usb_table.def"
+#endif
+
 enum {
     CRN_USB_CONTROL_BYTES = 256,    /* longest control transfer; the longest descriptor has 178 bytes */
     CRN_USB_STREAM_PACKET = 512,    /* of the bulk pair at high speed */
@@ -83,12 +89,12 @@ typedef struct crn_usb_config {
                              CRN_WIRE_FRAME_MAX, at most half of the queue */
 } crn_usb_config;
 
-/* Lists the endpoints in the order of usb_table.def. */
+/* Lists the endpoints in the order of the table. */
 typedef enum crn_usb_pipe {
 #define USB_ENDPOINT(INTERFACE, NAME, address, type, full_bytes, full_interval, high_bytes, high_interval,   \
                      text)                                                                                   \
     CRN_USB_##NAME,
-#include "firmware/app/usb/usb_table.def"
+#include CRN_USB_TABLE
     CRN_USB_PIPE_COUNT,
 } crn_usb_pipe;
 

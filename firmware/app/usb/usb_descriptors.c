@@ -1,40 +1,39 @@
-/* The code writes every USB descriptor from usb_table.def when a host requests it. */
+/* The code writes every USB descriptor from the table (usb_table.def) when a host requests it. */
 #include "firmware/app/usb/usb_internal.h"
 
 const crn_usb_endpoint crn_usb_endpoints[CRN_USB_PIPE_COUNT] = {
 #define USB_ENDPOINT(INTERFACE, NAME, address, type, full_bytes, full_interval, high_bytes, high_interval,   \
                      text)                                                                                   \
     {CRN_USB_INTERFACE_##INTERFACE, address, type, {full_bytes, high_bytes}, {full_interval, high_interval}},
-#include "firmware/app/usb/usb_table.def"
+#include CRN_USB_TABLE
 };
 
 const uint8_t crn_usb_interface_classes[CRN_USB_INTERFACE_COUNT] = {
 #define USB_INTERFACE(NAME, class, text) class,
-#include "firmware/app/usb/usb_table.def"
+#include CRN_USB_TABLE
 };
 
 enum { /* indices of strings; 0 is the list of languages */
        STRING_LANGUAGES = 0,
 #define USB_STRING(NAME, text) STRING_##NAME,
-#include "firmware/app/usb/usb_table.def"
+#include CRN_USB_TABLE
        STRING_COUNT,
 };
 
 static const char *const strings[STRING_COUNT] = {
     "",
 #define USB_STRING(NAME, text) text,
-#include "firmware/app/usb/usb_table.def"
+#include CRN_USB_TABLE
 };
 
 static const uint8_t interface_strings[CRN_USB_INTERFACE_COUNT] = {
 #define USB_INTERFACE(NAME, class, text) STRING_##NAME,
-#include "firmware/app/usb/usb_table.def"
+#include CRN_USB_TABLE
 };
 
 enum {
     USB_BCD = 0x0210, /* 2.1: the first version with a BOS descriptor */
     DEVICE_BCD = 0x0100,
-    HID_BCD = 0x0111,
     CLASS_HID = 3,
     SELF_POWERED = 0xc0,
     POWER_2mA = 50,
@@ -83,17 +82,6 @@ static void put_qualifier(crn_wire_writer *reply)
 }
 
 /* --- configuration --- */
-static void put_hid(crn_wire_writer *reply)
-{
-    crn_wire_write(reply, 9, 1);
-    crn_wire_write(reply, CRN_USB_DESCRIPTOR_HID, 1);
-    crn_wire_write(reply, HID_BCD, 2);
-    crn_wire_write(reply, 0, 1); /* no country */
-    crn_wire_write(reply, 1, 1);
-    crn_wire_write(reply, CRN_USB_DESCRIPTOR_REPORT, 1);
-    crn_wire_write(reply, CRN_HID_DESCRIPTOR_BYTES, 2);
-}
-
 static void put_endpoint(crn_wire_writer *reply, const crn_usb_endpoint *row, uint8_t speed)
 {
     crn_wire_write(reply, 7, 1);
@@ -117,7 +105,7 @@ static void put_interface(crn_wire_writer *reply, int interface, uint8_t speed)
     crn_wire_write(reply, crn_usb_interface_classes[interface], 1);
     crn_wire_write(reply, 0, 2); /* no subclass, no protocol */
     crn_wire_write(reply, interface_strings[interface], 1);
-    if (crn_usb_interface_classes[interface] == CLASS_HID) put_hid(reply);
+    if (crn_usb_interface_classes[interface] == CLASS_HID) crn_usb_hid_put_descriptor(reply);
     for (int pipe = 0; pipe < CRN_USB_PIPE_COUNT; pipe++)
         if (crn_usb_endpoints[pipe].interface == interface)
             put_endpoint(reply, &crn_usb_endpoints[pipe], speed);
@@ -212,21 +200,12 @@ bool crn_usb_ms_os_set(crn_wire_writer *reply)
 }
 
 /* --- which one --- */
-static bool put_hid_class(const crn_usb_setup *setup, crn_wire_writer *reply)
-{
-    if (setup->index != CRN_USB_INTERFACE_STATUS || (setup->value & 0xff) != 0) return false;
-    if (setup->value >> 8 == CRN_USB_DESCRIPTOR_HID)
-        put_hid(reply);
-    else if (setup->value >> 8 == CRN_USB_DESCRIPTOR_REPORT)
-        put_bytes(reply, crn_hid_descriptor, sizeof crn_hid_descriptor);
-    return reply->length > 0;
-}
-
 bool crn_usb_descriptor(const crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply)
 {
     const uint8_t type = (uint8_t)(setup->value >> 8);
     const bool can_high_speed = usb->config.udc->can_high_speed;
-    if ((setup->type & CRN_USB_TYPE_RECIPIENT) == CRN_USB_TO_INTERFACE) return put_hid_class(setup, reply);
+    if ((setup->type & CRN_USB_TYPE_RECIPIENT) == CRN_USB_TO_INTERFACE)
+        return crn_usb_hid_class_descriptor(setup, reply);
     if (type == CRN_USB_DESCRIPTOR_STRING) return put_string(usb, setup, reply);
     if ((setup->value & 0xff) != 0 || setup->index != 0) return false; /* there is one of each */
     if (type == CRN_USB_DESCRIPTOR_DEVICE) put_device(reply);

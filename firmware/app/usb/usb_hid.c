@@ -2,12 +2,36 @@
  * settings as feature reports. */
 #include "firmware/app/usb/usb_internal.h"
 
+enum { HID_BCD = 0x0111 };
 enum { REPORT_INPUT = 1, REPORT_OUTPUT = 2, REPORT_FEATURE = 3 }; /* high byte of wValue */
 
 static bool is_for_hid(const crn_usb *usb, const crn_usb_setup *setup)
 {
     return usb->configuration != 0 && setup->index == CRN_USB_INTERFACE_STATUS &&
            (setup->type & CRN_USB_TYPE_RECIPIENT) == CRN_USB_TO_INTERFACE;
+}
+
+/* --- descriptors --- */
+void crn_usb_hid_put_descriptor(crn_wire_writer *reply)
+{
+    crn_wire_write(reply, 9, 1);
+    crn_wire_write(reply, CRN_USB_DESCRIPTOR_HID, 1);
+    crn_wire_write(reply, HID_BCD, 2);
+    crn_wire_write(reply, 0, 1); /* no country */
+    crn_wire_write(reply, 1, 1);
+    crn_wire_write(reply, CRN_USB_DESCRIPTOR_REPORT, 1);
+    crn_wire_write(reply, CRN_HID_DESCRIPTOR_BYTES, 2);
+}
+
+bool crn_usb_hid_class_descriptor(const crn_usb_setup *setup, crn_wire_writer *reply)
+{
+    if (setup->index != CRN_USB_INTERFACE_STATUS || (setup->value & 0xff) != 0) return false;
+    if (setup->value >> 8 == CRN_USB_DESCRIPTOR_HID)
+        crn_usb_hid_put_descriptor(reply);
+    else if (setup->value >> 8 == CRN_USB_DESCRIPTOR_REPORT)
+        for (size_t i = 0; i < sizeof crn_hid_descriptor; i++)
+            crn_wire_write(reply, crn_hid_descriptor[i], 1);
+    return reply->length > 0;
 }
 
 /* --- reports to the host --- */

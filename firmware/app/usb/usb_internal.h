@@ -48,14 +48,14 @@ enum {
     CRN_USB_DESCRIPTOR_REPORT = 0x22,
 };
 
-/* Lists the interfaces in the order of usb_table.def. */
+/* Lists the interfaces in the order of the table. */
 typedef enum crn_usb_interface {
 #define USB_INTERFACE(NAME, class, text) CRN_USB_INTERFACE_##NAME,
-#include "firmware/app/usb/usb_table.def"
+#include CRN_USB_TABLE
     CRN_USB_INTERFACE_COUNT,
 } crn_usb_interface;
 
-typedef struct crn_usb_endpoint { /* one row of usb_table.def */
+typedef struct crn_usb_endpoint { /* one row of the table */
     uint8_t interface, address, type;
     uint16_t packet_bytes[2]; /* by crn_udc_speed */
     uint8_t interval[2];
@@ -79,14 +79,18 @@ void crn_usb_control_reset(crn_usb *usb);
 void crn_usb_control_setup(crn_usb *usb, const uint8_t bytes[CRN_UDC_SETUP_BYTES]);
 void crn_usb_control_done(crn_usb *usb, uint8_t endpoint, uint32_t bytes);
 
-/* If the function that handles a request in usb_standard.c or usb_hid.c returns false, the device answers
- * with STALL. The struct `reply` is empty at first and receives the data of IN requests. */
+/* If the function that handles a request in usb_standard.c, usb_vendor.c or usb_hid.c returns false, the
+ * device answers with STALL. The struct `reply` is empty at first and receives the data of IN requests. */
 bool crn_usb_standard(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply);
+bool crn_usb_vendor(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply);
 bool crn_usb_hid_request(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply);
 bool crn_usb_hid_takes(const crn_usb *usb, const crn_usb_setup *setup);
 bool crn_usb_hid_data(crn_usb *usb, const crn_usb_setup *setup, const uint8_t *bytes, size_t count);
 
-/* usb_hid.c: the interrupt pair */
+/* usb_hid.c: the HID descriptor within a configuration, the descriptors that a host requests from the HID
+ * interface (false: there is none), and the interrupt pair */
+void crn_usb_hid_put_descriptor(crn_wire_writer *reply);
+bool crn_usb_hid_class_descriptor(const crn_usb_setup *setup, crn_wire_writer *reply);
 void crn_usb_hid_begin(crn_usb *usb);
 void crn_usb_hid_queue(crn_usb *usb, const crn_hid_state *state);
 void crn_usb_hid_send(crn_usb *usb);

@@ -77,6 +77,7 @@ static void tick(void)
 
 /* Only timer edges that the app has completed reset the watchdog. If the timer has stopped, neither a running
  * main loop nor a host that keeps sending bytes can reset the watchdog. */
+/* Requirement: SR-21 */
 static void feed_watchdog(void)
 {
     static uint32_t fed;

@@ -60,6 +60,7 @@ __attribute__((section(".start"), noreturn)) void start(void)
  * accesses would lock the processor up. The peripheral that caused the exception may be one that takes the
  * forces away, so the handler ignores bus errors: what does not answer is left out, and the other ways still
  * act. */
+/* Requirement: SR-22 */
 __attribute__((used)) static void crashed(const uint32_t *frame)
 {
     CORE_CCR |= CORE_CCR_IGNORE_BUS_FAULTS;

@@ -101,6 +101,7 @@ static void board_without_psram_says_so_and_runs(void **state)
 }
 
 /* Without its interrupt no edge is done, so nothing serves the watchdog. */
+/* Requirement: SR-21 */
 static void lost_timer_interrupt_ends_in_the_watchdogs_reset(void **state)
 {
     (void)state;
@@ -116,6 +117,7 @@ static void lost_timer_interrupt_ends_in_the_watchdogs_reset(void **state)
 }
 
 /* The first instruction of the tick's interrupt becomes an undefined one. */
+/* Requirement: SR-22 */
 static void fault_in_the_image_is_reported_and_ends_in_a_reset(void **state)
 {
     (void)state;

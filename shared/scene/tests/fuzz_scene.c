@@ -131,6 +131,7 @@ static void offer(const uint8_t *bytes, size_t size)
     if (status == CRN_SCENE_OK) walk(&scene, bytes + size);
 }
 
+/* Requirement: SR-20 */
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
     uint8_t *copy = malloc(size + 1); /* exact size, so that a read past the end is detected */

@@ -39,6 +39,7 @@ static void a_start_length_raises_the_version_that_readers_need(void **state)
     refuses_sealed(file, bytes, CRN_SCENE_SECTION_SIZE, ENTRY_AT);
 }
 
+/* Requirement: SR-20 */
 static void a_start_length_must_be_possible(void **state)
 {
     (void)state;

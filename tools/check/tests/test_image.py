@@ -63,11 +63,33 @@ def findings(port):
         print("#- %s: %s" % (port, line.strip()))
 
 
+def sources_of(image):
+    """Returns the names of the source files whose objects are in an image, from its symbols of the type FILE."""
+    text = subprocess.run(["arm-none-eabi-readelf", "-sW", image], stdout=subprocess.PIPE, check=True).stdout
+    rows = [line.split() for line in text.decode().splitlines()]
+    return {row[7] for row in rows if len(row) == 8 and row[3] == "FILE"}
+
+
+def usb_findings(sources):
+    """The three files of the USB stack that the images for usbtest replace are in an image that ships, and what
+    replaces them is not."""
+    for name in ("usb_hid.c", "usb_stream.c", "usb_vendor.c"):
+        if name not in sources:
+            yield "%s is not in the image" % name
+    for name in sorted(os.listdir(os.path.join(tree.ROOT, "firmware/app/usb/source_sink"))):
+        if name in sources:
+            yield "%s is in the image, and only images for usbtest may have it" % name
+
+
 def main():
     report = tree.Report()
     report.catches("a 64-bit division in an image is caught", linked_sample(DIVIDES))
     for port in PORTS:
         report.check("the image for %s keeps its rules" % port, findings(port))
+        sources = sources_of(os.path.join(FOLDER, "cournand-%s.elf" % port))
+        report.check("the image for %s has no source and sink for usbtest" % port, usb_findings(sources))
+        replaced = sources - {"usb_hid.c"} | {"source_sink.c"}
+        report.catches("a source and sink in the image for %s is caught" % port, usb_findings(replaced))
     report.end()
 
 

@@ -25,6 +25,7 @@ def matrix(*arguments):
     return done.returncode, text.splitlines(), text
 
 
+# Requirement: SR-23
 def same_hash(folder):
     code, lines, text = matrix("--short", "--programs", folder)
     if code != 0 or "5 of 5 variants agree" not in lines:
