@@ -2,6 +2,7 @@
  * values that a builder sets for their rig.
  *
  *   boot_header.c  what the processor's ROM reads from the flash     start.c    reset, memory, vectors, exceptions
+ *   self_test.c    memories and image before anything else
  *   memory_map.c   caches and protection                             clocks.c   600 MHz, tick, time, watchdog, serial
  *   pins.c         what every pin is                                 console.c  text on LPUART6
  *   scene_ram.c    the PSRAM for scenes                              usb_phy.c, usb_udc.c   the USB controller
@@ -81,6 +82,11 @@ void clocks_serial(char serial[BOARD_SERIAL_BYTES + 1]);
 
 /* pins.c */
 void pins_start(void);
+
+/* self_test.c: called from the flash, before data memory is in use */
+__attribute__((long_call)) uint32_t self_test_memory(void); /* address of a bad word, 0: none; erases all */
+__attribute__((long_call)) uint32_t self_test_image(void);  /* difference of its CRC-32, 0: it is whole */
+__attribute__((long_call, noreturn)) void self_test_stop(const char *what, uint32_t value);
 
 /* console.c */
 void console_start(void);

@@ -47,7 +47,11 @@ __attribute__((section(".start"), noreturn)) void start(void)
     SET_FIELD(R32(BASE_IOMUXC_GPR, IOMUXC_GPR_GPR14), IOMUXC_GPR_GPR14_CM7_CFGDTCMSZ, SIZE_512_kB);
     core_barrier();
     copy(code_begin, code_end, code_load);
+    const uint32_t bad = self_test_memory();
+    if (bad != 0) self_test_stop("self-test: bad memory at 0x", bad);
     copy(data_begin, data_end, data_load);
+    const uint32_t difference = self_test_image();
+    if (difference != 0) self_test_stop("self-test: the image is damaged, CRC differs by 0x", difference);
     clear(bss_begin, bss_end);
     clear(dma_begin, dma_end);
     CORE_VTOR = (uint32_t)(uintptr_t)code_begin;

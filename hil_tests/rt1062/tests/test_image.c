@@ -116,16 +116,25 @@ static void lost_timer_interrupt_ends_in_the_watchdogs_reset(void **state)
     close_board(&board);
 }
 
-/* The first instruction of the tick's interrupt becomes an undefined one. */
+/* The first instruction of the tick's interrupt becomes an undefined one, after the self-test and before the
+ * first tick. */
 /* Requirement: SR-22 */
 static void fault_in_the_image_is_reported_and_ends_in_a_reset(void **state)
 {
     (void)state;
     rt_board board;
     open_board(&board);
-    uint32_t at =
-        rt_engine_symbol(board.engine, "code_load") + (rt_engine_symbol(board.engine, "clocks_tick") & ~1u);
-    rt_engine_patch(board.engine, at, UNDEFINED_INSTRUCTION);
+    for (int ms = 0; ms < BOOT_ms && !says(board.chip, "cournand"); ms++)
+        assert_int_equal(run_ms(&board, 1), RT_STOP_TIME);
+    assert_int_equal(value_of(&board, "edges"), 0);
+    const uint32_t at = rt_engine_symbol(board.engine, "clocks_tick") & ~1u, shift = 8 * (at & 2u);
+    const uint32_t there = rt_engine_word(board.engine, at & ~3u) >> shift & 0xffffu;
+    const rt_fault fault = {.kind = RT_FAULT_MEMORY,
+                            .begin = board.chip->now,
+                            .end = RT_NEVER,
+                            .address = at,
+                            .flip = (there ^ UNDEFINED_INSTRUCTION) << shift};
+    rt_fault_set(board.chip, &fault);
     assert_int_equal(run_ms(&board, 2300), RT_STOP_RESET);
     assert_true(says(board.chip, "fault: exception 6 at pc 0x"));
     assert_true(says(board.chip, "status 0x00010000; power off, waiting for the watchdog's reset\n"));

@@ -1,0 +1,167 @@
+/* Claim: the self-test at boot finds a bad word of memory and any changed bit of the image, says so on the
+ * console, and gives the power stage no power; the watchdog then resets the chip. Bits are flipped in the
+ * model of the chip, in the flash before the start and in the memories while they are tested. */
+#define _POSIX_C_SOURCE 200809L
+#include "hil_tests/rt1062/engine.h"
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { BOOT_ms = 200, STEP_us = 100, RESET_ms = 2300 };
+
+static rt_chip *chip;
+static rt_engine *engine;
+
+static int open_board(void **state)
+{
+    (void)state;
+    char path[512];
+    const char *build = getenv("BUILD"), *error;
+    snprintf(path, sizeof path, "%s/firmware/cournand-imxrt1062.elf", build != NULL ? build : "build");
+    chip = rt_chip_create();
+    engine = chip == NULL ? NULL : rt_engine_create(chip, path, &error);
+    if (engine == NULL) return 1;
+    rt_pin_drive(chip, RT_PIN_FAULT, RT_HIGH, 0);
+    rt_usb_plug(chip, true);
+    return 0;
+}
+
+static int close_board(void **state)
+{
+    (void)state;
+    rt_engine_destroy(engine);
+    rt_chip_destroy(chip);
+    return 0;
+}
+
+static bool says(const char *text)
+{
+    return strstr(chip->uart.text, text) != NULL;
+}
+
+/* Runs in small steps, in which neither enable nor a motor's PWM may be high. */
+static rt_stop run_without_power(double ms)
+{
+    rt_stop stop = RT_STOP_TIME;
+    for (double us = 0; us < ms * 1000 && stop == RT_STOP_TIME; us += STEP_us) {
+        stop = rt_engine_run_us(engine, STEP_us);
+        assert_false(rt_pin_level(chip, RT_PIN_ENABLE));
+        for (int k = 0; k < 6; k++) assert_false(rt_pin_level(chip, (rt_pin)(RT_PIN_PWM0 + k)));
+    }
+    return stop;
+}
+
+static void expect_stop(const char *text)
+{
+    assert_int_equal(run_without_power(BOOT_ms), RT_STOP_TIME);
+    if (!says(text)) fail_msg("the console says '%s', expected '%s'", chip->uart.text, text);
+    assert_true(says("; power stays off, waiting for the watchdog's reset\n"));
+    assert_false(says("cournand on"));
+    assert_false(rt_usb_is_attached(chip));
+    assert_int_equal(run_without_power(RESET_ms), RT_STOP_RESET);
+}
+
+/* --- the image --- */
+
+static void flip_flash(uint32_t address)
+{
+    const uint32_t word = rt_engine_word(engine, address & ~1u);
+    rt_engine_patch(engine, address & ~1u, (uint16_t)(word ^ 1u << 4));
+}
+
+/* Requirement: SR-24 */
+static void a_changed_bit_of_the_code_keeps_the_power_off(void **state)
+{
+    (void)state;
+    flip_flash(rt_engine_symbol(engine, "code_load") + (rt_engine_symbol(engine, "crn_safety_drive") & ~1u));
+    expect_stop("self-test: the image is damaged, CRC differs by 0x");
+}
+
+static void a_changed_bit_of_the_boot_header_keeps_the_power_off(void **state)
+{
+    (void)state;
+    flip_flash(RT_FLASH_BEGIN + 0x1c0 + 0x20); /* reserved: the ROM does not read it */
+    expect_stop("self-test: the image is damaged, CRC differs by 0x");
+}
+
+static void a_changed_bit_of_the_data_keeps_the_power_off(void **state)
+{
+    (void)state;
+    flip_flash(rt_engine_symbol(engine, "data_load"));
+    expect_stop("self-test: the image is damaged, CRC differs by 0x");
+}
+
+static void an_image_without_its_crc_keeps_the_power_off(void **state)
+{
+    (void)state;
+    const uint32_t at = rt_engine_symbol(engine, "image_crc32");
+    rt_engine_patch(engine, at, 0);
+    rt_engine_patch(engine, at + 2, 0);
+    expect_stop("self-test: the image is damaged, CRC differs by 0x");
+}
+
+/* --- the memories --- */
+
+/* Flips a bit of a word as soon as the march has given the word `begin` the value `value`. */
+static void flip_when(uint32_t begin, uint32_t value, uint32_t address)
+{
+    for (int i = 0; i < 100000 && rt_engine_word(engine, begin) != value; i++) {
+        assert_int_equal(rt_engine_run_us(engine, 1), RT_STOP_TIME);
+    }
+    assert_int_equal(rt_engine_word(engine, begin), value);
+    const rt_fault fault = {
+        .kind = RT_FAULT_MEMORY, .begin = chip->now, .end = RT_NEVER, .address = address, .flip = 1u << 17};
+    rt_fault_set(chip, &fault);
+}
+
+static void expect_bad_word(uint32_t address)
+{
+    char text[64];
+    snprintf(text, sizeof text, "self-test: bad memory at 0x%08x", (unsigned)address);
+    expect_stop(text);
+}
+
+/* Requirement: SR-25 */
+static void a_bad_word_of_data_memory_keeps_the_power_off(void **state)
+{
+    (void)state;
+    const uint32_t begin = rt_engine_symbol(engine, "data_begin");
+    flip_when(begin, UINT32_MAX, begin + 0x40000);
+    expect_bad_word(begin + 0x40000);
+}
+
+static void a_bad_word_of_the_stack_keeps_the_power_off(void **state)
+{
+    (void)state;
+    const uint32_t begin = rt_engine_symbol(engine, "data_begin"),
+                   top = rt_engine_symbol(engine, "stack_top");
+    flip_when(begin, UINT32_MAX, top - 4);
+    expect_bad_word(top - 4);
+}
+
+static void a_bad_word_of_the_usb_memory_keeps_the_power_off(void **state)
+{
+    (void)state;
+    const uint32_t begin = rt_engine_symbol(engine, "dma_begin");
+    flip_when(begin, UINT32_MAX, begin + 0x100);
+    expect_bad_word(begin + 0x100);
+}
+
+int main(void)
+{
+#define BOARD_TEST(name) cmocka_unit_test_setup_teardown(name, open_board, close_board)
+    const struct CMUnitTest tests[] = {
+        BOARD_TEST(a_changed_bit_of_the_code_keeps_the_power_off),
+        BOARD_TEST(a_changed_bit_of_the_boot_header_keeps_the_power_off),
+        BOARD_TEST(a_changed_bit_of_the_data_keeps_the_power_off),
+        BOARD_TEST(an_image_without_its_crc_keeps_the_power_off),
+        BOARD_TEST(a_bad_word_of_data_memory_keeps_the_power_off),
+        BOARD_TEST(a_bad_word_of_the_stack_keeps_the_power_off),
+        BOARD_TEST(a_bad_word_of_the_usb_memory_keeps_the_power_off),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
