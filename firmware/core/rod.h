@@ -44,6 +44,60 @@ static inline int32_t crn_span_value(const crn_span *span, crn_property which, i
     return span->from[which] + crn_scale_q30(span->delta[which], fraction_q30);
 }
 
+/* length / stiffness. Format: Q30 m / Q35 N m^2 -> Q32 1 / (N m). Overflow is impossible, because the largest
+ * compliance, 8 mm / 1e-7 N m^2, is only 2^49 in the number format used here. */
+static inline int64_t crn_compliance_q32(int32_t length_m_q30, int32_t stiffness_q35)
+{
+    unsigned lead = crn_clz32((uint32_t)stiffness_q35) - 1; /* at most 19: stiffness >= 1e-7 N m^2 */
+    int64_t inverse = crn_reciprocal_q30((uint32_t)stiffness_q35 << lead);
+    return (length_m_q30 * inverse) >> (24 - lead);
+}
+
+/* Returns 2^q / value for value > 0. Overflow: saturates. Error: 2^-29 relative. */
+static inline int32_t crn_inverse_of(int64_t value, unsigned q)
+{
+    unsigned lead = crn_clz64((uint64_t)value);
+    int64_t inverse = crn_reciprocal_q30((uint32_t)(((uint64_t)value << lead) >> 33));
+    int shift = 94 - (int)lead - (int)q; /* value = mantissa 2^(33 - lead), inverse = 2^61 / mantissa */
+    if (shift <= 0) {
+        return shift == 0 ? crn_sat32(inverse) : INT32_MAX;
+    }
+    return shift > 62 ? 0 : crn_sat32(crn_rshift_round64(inverse, (unsigned)shift));
+}
+
+/* Returns length / compliance, which is the series average of a stiffness over this length. Format: Q30 m /
+ * Q32 1/(N m) -> Q35 N m^2. Overflow: saturates. The relative error of the result is 1 / `compliance`,
+ * because the compliance is rounded to an integer. */
+static inline int32_t crn_series_stiffness_q35(int32_t length_m_q30, int64_t compliance)
+{
+    unsigned lead = crn_clz64((uint64_t)compliance);
+    int64_t inverse = crn_reciprocal_q30((uint32_t)(((uint64_t)compliance << lead) >> 33));
+    int shift = 57 - (int)lead; /* 2^37 length / compliance, compliance = mantissa 2^(33 - lead) */
+    return shift <= 0 ? INT32_MAX : crn_sat32(crn_rshift_round64(length_m_q30 * inverse, (unsigned)shift));
+}
+
+/* Limits the rest rotation of a node's cell to 1.2 rad, which the number format and the limit of the joint's
+ * force permit. The file core_build.c refuses a tool whose stress-free shape turns by more than 1.2 rad in
+ * one of the tool's own cells. A hook-shaped tip reaches the limit of 1.2 rad only inside a stiffer tool that
+ * extends farther, because there the mesh has the long cells of that tool's shaft. */
+static inline int32_t crn_limit_turn(int32_t turn_q30)
+{
+    return crn_clamp(turn_q30, -CRN_TURN_OF_CELL_MAX_Q30, CRN_TURN_OF_CELL_MAX_Q30);
+}
+
+/* Returns the rest rotation g of a joint. In the stress-free shape, the direction of the tool changes by the
+ * angle `turn` at the joint. At the angle `turn`, the unit vectors along the two edges differ by 2 sin(turn /
+ * 2). The rotation g is applied along the mean of the two edges' axes, whose length is cos(turn / 2). The
+ * length g of the rest rotation vector is 2 tan(turn / 2) = turn (1 + turn^2 / 12 + turn^4 / 120), where
+ * `turn` is the angle of the unloaded tool at a joint. The error of the series for the rest rotation g is 0.1
+ * % at 1 rad. */
+static inline int32_t crn_rest_turn_of(int32_t turn_q30)
+{
+    int32_t square = crn_mul_q30(turn_q30, turn_q30);
+    int32_t series = crn_add_sat(89478485, crn_mul_q30(square, 8947849)); /* 1/12 and 1/120 in Q30 */
+    return crn_add_sat(turn_q30, crn_mul_q30(turn_q30, crn_mul_q30(square, series)));
+}
+
 /* Returns the spring stiffness W a c of a joint in N/m, with 8 fractional bits. Overflow is impossible: W is
  * below 2^31 and a c is at most 2.5e7 (2^28.6 in Q4), so the product is below 2^60. */
 static inline int64_t crn_bend_spring_q8(int32_t bend_N_m_q26, int32_t a_per_m_q18, int32_t c_per_m_q18)
@@ -152,8 +206,9 @@ uint32_t crn_exchange_balls(const crn_model *model, const crn_state_words *words
 
 /* --- parts of the tick, continued ----------------------------------------------------------------------- */
 
-/* Computes the combined joints, edges and surfaces of all tools at their present positions (rod_line.c). The
- * function crn_line_update does nothing while no tool slides against another. */
+/* Computes the combined joints, edges and surfaces of all tools at their present positions (rod_line.c). A
+ * node keeps its values while, in its cell, each tool stays where it was, stays away, or slides within a part
+ * of constant properties. The values are those of a pass that builds every node. */
 void crn_line_update(const crn_model *model, crn_state *state);
 
 /* Returns the axial compliance of the combined tools from the leading tip to node i, in Q40 m/N, saturated.

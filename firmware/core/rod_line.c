@@ -33,63 +33,9 @@ typedef struct cell {
     int32_t begin, end; /* Q30 m behind the leading tip */
 } cell;
 
-/* length / stiffness. Format: Q30 m / Q35 N m^2 -> Q32 1 / (N m). Overflow is impossible, because the largest
- * compliance, 8 mm / 1e-7 N m^2, is only 2^49 in the number format used here. */
-static int64_t compliance_q32(int32_t length_m_q30, int32_t stiffness_q35)
-{
-    unsigned lead = crn_clz32((uint32_t)stiffness_q35) - 1; /* at most 19: stiffness >= 1e-7 N m^2 */
-    int64_t inverse = crn_reciprocal_q30((uint32_t)stiffness_q35 << lead);
-    return (length_m_q30 * inverse) >> (24 - lead);
-}
-
-/* Returns 2^q / value for value > 0. Overflow: saturates. Error: 2^-29 relative. */
-static int32_t inverse_of(int64_t value, unsigned q)
-{
-    unsigned lead = crn_clz64((uint64_t)value);
-    int64_t inverse = crn_reciprocal_q30((uint32_t)(((uint64_t)value << lead) >> 33));
-    int shift = 94 - (int)lead - (int)q; /* value = mantissa 2^(33 - lead), inverse = 2^61 / mantissa */
-    if (shift <= 0) {
-        return shift == 0 ? crn_sat32(inverse) : INT32_MAX;
-    }
-    return shift > 62 ? 0 : crn_sat32(crn_rshift_round64(inverse, (unsigned)shift));
-}
-
-/* Returns length / compliance, which is the series average of a stiffness over this length. Format: Q30 m /
- * Q32 1/(N m) -> Q35 N m^2. Overflow: saturates. The relative error of the result is 1 / `compliance`,
- * because the compliance is rounded to an integer. */
-static int32_t series_stiffness_q35(int32_t length_m_q30, int64_t compliance)
-{
-    unsigned lead = crn_clz64((uint64_t)compliance);
-    int64_t inverse = crn_reciprocal_q30((uint32_t)(((uint64_t)compliance << lead) >> 33));
-    int shift = 57 - (int)lead; /* 2^37 length / compliance, compliance = mantissa 2^(33 - lead) */
-    return shift <= 0 ? INT32_MAX : crn_sat32(crn_rshift_round64(length_m_q30 * inverse, (unsigned)shift));
-}
-
-/* Limits the rest rotation of a node's cell to 1.2 rad, which the number format and the limit of the joint's
- * force permit. The file core_build.c refuses a tool whose stress-free shape turns by more than 1.2 rad in
- * one of the tool's own cells. A hook-shaped tip reaches the limit of 1.2 rad only inside a stiffer tool that
- * extends farther, because there the mesh has the long cells of that tool's shaft. */
-static int32_t limit_turn(int32_t turn_q30)
-{
-    return crn_clamp(turn_q30, -CRN_TURN_OF_CELL_MAX_Q30, CRN_TURN_OF_CELL_MAX_Q30);
-}
-
 static int32_t turn_of(int32_t per_m_q20, int32_t length_m_q30)
 {
     return crn_mul(per_m_q20, length_m_q30, 20);
-}
-
-/* Returns the rest rotation g of a joint. In the stress-free shape, the direction of the tool changes by the
- * angle `turn` at the joint. At the angle `turn`, the unit vectors along the two edges differ by 2 sin(turn /
- * 2). The rotation g is applied along the mean of the two edges' axes, whose length is cos(turn / 2). The
- * length g of the rest rotation vector is 2 tan(turn / 2) = turn (1 + turn^2 / 12 + turn^4 / 120), where
- * `turn` is the angle of the unloaded tool at a joint. The error of the series for the rest rotation g is 0.1
- * % at 1 rad. */
-static int32_t rest_turn_of(int32_t turn_q30)
-{
-    int32_t square = crn_mul_q30(turn_q30, turn_q30);
-    int32_t series = crn_add_sat(89478485, crn_mul_q30(square, 8947849)); /* 1/12 and 1/120 in Q30 */
-    return crn_add_sat(turn_q30, crn_mul_q30(turn_q30, crn_mul_q30(square, series)));
 }
 
 static void seek(const crn_tool *tool, uint32_t *span, int32_t arc_m_q30)
@@ -110,8 +56,8 @@ static stretch integrate(const crn_tool *tool, uint32_t span, int32_t from, int3
         bool last = span + 1 == tool->span_count || to <= s->end_m_q30;
         int32_t until = last ? to : s->end_m_q30;
         int32_t fraction = crn_span_fraction(s, from + (until - from) / 2);
-        sum.bend_q32 += compliance_q32(until - from, crn_span_value(s, CRN_BEND_N_M2_Q35, fraction));
-        sum.twist_q32 += compliance_q32(until - from, crn_span_value(s, CRN_TWIST_N_M2_Q35, fraction));
+        sum.bend_q32 += crn_compliance_q32(until - from, crn_span_value(s, CRN_BEND_N_M2_Q35, fraction));
+        sum.twist_q32 += crn_compliance_q32(until - from, crn_span_value(s, CRN_TWIST_N_M2_Q35, fraction));
         sum.turn1_q30 += turn_of(crn_span_value(s, CRN_CURVE1_PER_M_Q20, fraction), until - from);
         sum.turn2_q30 += turn_of(crn_span_value(s, CRN_CURVE2_PER_M_Q20, fraction), until - from);
         from = until;
@@ -158,10 +104,10 @@ static int32_t whole_cell(walk *w, uint32_t k, const crn_mesh_node *mesh, cell c
         return crn_mul(crn_span_value(s, CRN_BEND_N_M2_Q35, fraction), inverse, 27);
     }
     stretch sum = integrate(tool, w->span[k], from, to);
-    joint->twist_N_m_q26[k] = inverse_of(sum.twist_q32, 58);
+    joint->twist_N_m_q26[k] = crn_inverse_of(sum.twist_q32, 58);
     joint->turn1_q30[k] = crn_sat32(sum.turn1_q30);
     joint->turn2_q30[k] = crn_sat32(sum.turn2_q30);
-    return inverse_of(sum.bend_q32, 58);
+    return crn_inverse_of(sum.bend_q32, 58);
 }
 
 /* --- cells that one or more tips divide ----------------------------------------------------------------- */
@@ -179,10 +125,10 @@ static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[CRN_TOOL_M
             continue;
         }
         part[k] = integrate(&w->model->tools[k], w->span[k], from - offset, to - offset);
-        stiffness_q35[k] = series_stiffness_q35(to - from, part[k].bend_q32);
+        stiffness_q35[k] = crn_series_stiffness_q35(to - from, part[k].bend_q32);
         total_q35 = crn_add_sat(total_q35, stiffness_q35[k]);
     }
-    *compliance += compliance_q32(to - from, total_q35 < 1 << 11 ? 1 << 11 : total_q35);
+    *compliance += crn_compliance_q32(to - from, total_q35 < 1 << 11 ? 1 << 11 : total_q35);
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
         if (stiffness_q35[k] == 0) {
             continue;
@@ -211,7 +157,7 @@ static void divided_cell(walk *w, cell c, crn_joint *joint)
         add_piece(w, from, to, sums, &compliance);
         from = to;
     }
-    joint->bend_N_m_q26 = inverse_of(compliance, 58);
+    joint->bend_N_m_q26 = crn_inverse_of(compliance, 58);
     int32_t parts_q26[CRN_TOOL_MAX];
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
         int32_t part = crn_quotient((int32_t)sums[k].bend_q32, c.end - c.begin, 30);
@@ -227,9 +173,9 @@ static void divided_cell(walk *w, cell c, crn_joint *joint)
             /* The code uses the compliance of at least a tenth of the cell, so that a tip that has just
              * entered the cell does not make a rigid joint. */
             int32_t tip_q35 = w->model->tools[k].spans[0].from[CRN_TWIST_N_M2_Q35];
-            least = compliance_q32((c.end - c.begin) / 10, tip_q35);
+            least = crn_compliance_q32((c.end - c.begin) / 10, tip_q35);
         }
-        joint->twist_N_m_q26[k] = inverse_of(sums[k].twist_q32 > least ? sums[k].twist_q32 : least, 58);
+        joint->twist_N_m_q26[k] = crn_inverse_of(sums[k].twist_q32 > least ? sums[k].twist_q32 : least, 58);
         joint->turn1_q30[k] = crn_sat32(sums[k].turn1_q30);
         joint->turn2_q30[k] = crn_sat32(sums[k].turn2_q30);
     }
@@ -296,8 +242,8 @@ static void build_joint(walk *w, uint32_t i, cell c)
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
         joint->twist_N_m_q26[k] =
             joint->twist_N_m_q26[k] < TWIST_MAX_N_m_Q26 ? joint->twist_N_m_q26[k] : TWIST_MAX_N_m_Q26;
-        joint->turn1_q30[k] = rest_turn_of(limit_turn(joint->turn1_q30[k]));
-        joint->turn2_q30[k] = rest_turn_of(limit_turn(joint->turn2_q30[k]));
+        joint->turn1_q30[k] = crn_rest_turn_of(crn_limit_turn(joint->turn1_q30[k]));
+        joint->turn2_q30[k] = crn_rest_turn_of(crn_limit_turn(joint->turn2_q30[k]));
         joint->curved |= (uint32_t)((joint->turn1_q30[k] | joint->turn2_q30[k]) != 0) << k;
     }
 }
@@ -365,7 +311,7 @@ static void build_edge(walk *w, uint32_t i)
     int64_t spring_q8 = crn_axial_spring_q8(w->model, i, softer);
     node->spring = crn_to_exponent(spring_q8, w->model->stiffness_exponent);
     node->axial_stiffness_N_q17 = crn_sat32((spring_q8 * w->model->mesh[i].length_m_q30) >> 21);
-    w->line->edge_compliance_m_N_q40 = inverse_of(spring_q8, 48);
+    w->line->edge_compliance_m_N_q40 = crn_inverse_of(spring_q8, 48);
     node[1].compliance_m_N_q40 = crn_add_sat(node->compliance_m_N_q40, w->line->edge_compliance_m_N_q40);
 }
 
@@ -506,6 +452,11 @@ static uint32_t uniform_node(const crn_model *model)
     return i;
 }
 
+static cell cell_of(const crn_model *model, uint32_t i)
+{
+    return (cell){i > 0 ? model->mesh[i - 1].cell_end_m_q30 : 0, model->mesh[i].cell_end_m_q30};
+}
+
 static void build_node(walk *w, uint32_t i)
 {
     crn_line_node *node = &w->line->nodes[i];
@@ -515,8 +466,7 @@ static void build_node(walk *w, uint32_t i)
         node->compliance_m_N_q40 = compliance;
         return;
     }
-    const crn_mesh_node *mesh = &w->model->mesh[i];
-    cell c = {i > 0 ? mesh[-1].cell_end_m_q30 : 0, mesh->cell_end_m_q30};
+    const cell c = cell_of(w->model, i);
     if (is_plain(w, c)) {
         build_plain(w, i, c);
     } else {
@@ -533,22 +483,83 @@ static void repeat_edge(crn_line *line, uint32_t i)
     line->nodes[i].axial_stiffness_N_q17 = line->nodes[i - 1].axial_stiffness_N_q17;
 }
 
-static void build_line(const crn_model *model, crn_line *line, uint32_t count)
+/* --- nodes that keep their values ----------------------------------------------------------------------- */
+
+/* Where the tip of a tool was in the last pass and is now, behind the leading tip, and the tool's span at the
+ * cell that was looked at last. */
+typedef struct move {
+    int32_t front_m_q30, back_m_q30;
+    uint32_t span;
+} move;
+
+/* Returns whether a tool has, all over the cell, the properties that it had in the last pass. */
+static bool is_same(const crn_tool *tool, move *m, cell c)
+{
+    if (m->front_m_q30 == m->back_m_q30 || c.end <= m->front_m_q30) {
+        return true;
+    }
+    while (m->span + 1 < tool->span_count &&
+           crn_add_sat(tool->spans[m->span].end_m_q30, m->front_m_q30) < c.end) {
+        m->span++;
+    }
+    const crn_span *s = &tool->spans[m->span];
+    return s->flat && c.begin >= crn_add_sat(s->begin_m_q30, m->back_m_q30);
+}
+
+static bool cell_is_same(const crn_model *model, move moves[CRN_TOOL_MAX], uint32_t i)
+{
+    const cell c = cell_of(model, i);
+    for (uint32_t k = 0; k < model->tool_count; k++) {
+        if (!is_same(&model->tools[k], &moves[k], c)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* What a pass knows of the node in front. */
+typedef struct front {
+    bool is_built;
+    int32_t compliance_m_N_q40; /* in the last pass */
+} front;
+
+/* Builds node i, and the edge in front of it, unless both keep their values. The compliance of a kept edge is
+ * the difference of its nodes' compliances in the last pass, unless the latter is saturated. The last edge is
+ * built for the compliance of all edges behind it. */
+static void visit(walk *w, uint32_t i, bool is_built, bool is_last, front *ahead)
+{
+    crn_line_node *node = &w->line->nodes[i];
+    const int32_t was = node->compliance_m_N_q40;
+    if (is_built) {
+        build_node(w, i);
+    }
+    if (i > 0) {
+        const int32_t base = node[-1].compliance_m_N_q40;
+        if (is_built || ahead->is_built || is_last ||
+            (base != ahead->compliance_m_N_q40 && was == INT32_MAX)) {
+            build_edge(w, i - 1);
+        } else {
+            node->compliance_m_N_q40 = crn_add_sat(base, was - ahead->compliance_m_N_q40);
+        }
+    }
+    *ahead = (front){is_built, was};
+}
+
+static void build_line(const crn_model *model, crn_line *line, uint32_t count, move moves[CRN_TOOL_MAX])
 {
     walk w = {model, line, {0, 0, 0}};
     if (line->count == 0) {
         line->uniform = uniform_node(model);
     }
-    uint32_t steady = steady_node(model, line, count);
-    uint32_t kept = line->count > 0
-                        ? line->steady
-                        : count; /* these nodes would get the same values again, up to line->count */
+    const uint32_t steady = steady_node(model, line, count);
+    const uint32_t last = steady < count ? steady : count - 1;
+    /* Up to `kept`, nodes were built in the last pass. Those behind are copies of it, up to line->count. */
+    const uint32_t kept = line->count > 0 ? line->steady : count;
+    front ahead = {false, 0};
     line->nodes[0].compliance_m_N_q40 = 0;
-    for (uint32_t i = 0; i < count && i <= steady; i++) {
-        build_node(&w, i);
-        if (i > 0) {
-            build_edge(&w, i - 1);
-        }
+    for (uint32_t i = 0; i <= last; i++) {
+        const bool is_kept = i < line->count && i <= kept && cell_is_same(model, moves, i);
+        visit(&w, i, !is_kept, i == last, &ahead);
     }
     if (steady < count) {
         repeat_edge(line, steady);
@@ -569,10 +580,13 @@ void crn_line_update(const crn_model *model, crn_state *state)
     crn_line *line = &state->line;
     int32_t lead = crn_lead_inserted(model, &state->words);
     bool same = line->count >= state->words.free_count + BEHIND_MOUTH;
+    move moves[CRN_TOOL_MAX] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
     for (uint32_t k = 0; k < model->tool_count; k++) {
         int32_t offset =
             crn_has_tool(&state->words, k) ? lead - state->words.tools[k].inserted_m_q30 : CRN_OFFSET_FREE;
-        same = same && offset == line->offset_m_q30[k];
+        const int32_t before = line->offset_m_q30[k];
+        same = same && offset == before;
+        moves[k] = (move){offset < before ? offset : before, offset < before ? before : offset, 0};
         line->offset_m_q30[k] = offset;
     }
     if (same) {
@@ -580,5 +594,5 @@ void crn_line_update(const crn_model *model, crn_state *state)
     }
     uint32_t count = state->words.free_count + RESERVE;
     build_line(model, line,
-               model->tool_count == 1 || count > model->node_count ? model->node_count + 1 : count);
+               model->tool_count == 1 || count > model->node_count ? model->node_count + 1 : count, moves);
 }

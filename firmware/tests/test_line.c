@@ -10,6 +10,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -114,6 +115,98 @@ static void a_catheters_tip_leaves_the_wires_twist_stiffness(void **context)
     free(r);
 }
 
+/* --- a pass that builds what has moved ------------------------------------------------------------------ */
+
+/* A wire with a soft tip and a taper, a catheter with a bend between straight parts and a short stiff ring,
+ * and an outer catheter of one part. */
+static void build_three_tools(rig *r, uint32_t axial_max_N, uint32_t tip_nN_m2)
+{
+    crn_instrument tools[3] = {make_tool(1e-3, 600000, 2000, 445, 0), make_tool(4e-4, 500000, 3000, 900, 500),
+                               make_tool(2e-3, 400000, 4000, 1300, 950)};
+    crn_instrument *wire = &tools[0], *catheter = &tools[1];
+    wire->knot_count = 4;
+    wire->knots[3] = wire->knots[2] = wire->knots[1];
+    wire->knots[1] = wire->knots[0];
+    wire->knots[0].bend_stiffness_nN_m2 = wire->knots[1].bend_stiffness_nN_m2 = tip_nN_m2;
+    wire->knots[1].arc_um = 60000;
+    wire->knots[2].arc_um = 90000;
+    const uint32_t arcs_um[] = {0, 15000, 15000, 45000, 45000, 120000, 121000, 122000};
+    catheter->knots[9] = catheter->knots[8] = catheter->knots[1];
+    for (uint32_t i = 0; i < 8; i++) {
+        catheter->knots[i] = catheter->knots[0];
+        catheter->knots[i].arc_um = arcs_um[i];
+    }
+    catheter->knots[2].rest_curvature1_per_m_milli = catheter->knots[3].rest_curvature1_per_m_milli = 20000;
+    catheter->knots[3].rest_curvature2_per_m_milli = 5000;
+    catheter->knots[6].bend_stiffness_nN_m2 *= 3;
+    catheter->knot_count = 9;
+    for (int k = 0; k < 3; k++) tools[k].axial_stiffness_max_N = axial_max_N;
+    crn_build_place place;
+    assert_int_equal(build(r, tools, 3, &place), CRN_BUILD_OK);
+}
+
+static void insert(rig *r, const int32_t inserted_m_q30[3])
+{
+    uint32_t free_count = 0;
+    for (uint32_t k = 0; k < 3; k++) r->state.words.tools[k].inserted_m_q30 = inserted_m_q30[k];
+    const int32_t lead = crn_lead_inserted(&r->model, &r->state.words);
+    while (r->model.mesh[free_count].arc_m_q30 < lead) free_count++;
+    r->state.words.free_count = free_count;
+    crn_line_update(&r->model, &r->state);
+}
+
+static void assert_same_line(const rig *kept, const rig *anew, int step)
+{
+    const crn_line *a = &kept->state.line, *b = &anew->state.line;
+    assert_int_equal(a->edge_compliance_m_N_q40, b->edge_compliance_m_N_q40);
+    assert_int_equal(a->steady, b->steady);
+    for (uint32_t i = 0; i < kept->state.words.free_count + 3; i++) {
+        crn_line_node node = a->nodes[i];
+        if (i > a->steady) node.compliance_m_N_q40 = b->nodes[i].compliance_m_N_q40; /* not read there */
+        if (memcmp(&node, &b->nodes[i], sizeof node) != 0)
+            fail_msg("step %d: node %u differs from the node of a pass that builds all", step, i);
+    }
+}
+
+/* With 100 N and a soft tip, the compliance of the line saturates. Three tools slide by up to 0.4 mm in a
+ * step, and jump in some steps. Now and then a tool rests. After each step, the line equals the line of a
+ * pass that builds every node. */
+static void check_passes(uint32_t axial_max_N, uint32_t tip_nN_m2)
+{
+    rig *kept = calloc(1, sizeof *kept), *anew = calloc(1, sizeof *anew);
+    const uint32_t inserted_um[3] = {300000, 250000, 200000};
+    build_three_tools(kept, axial_max_N, tip_nN_m2);
+    build_three_tools(anew, axial_max_N, tip_nN_m2);
+    crn_state_init(&kept->model, &kept->state, inserted_um);
+    crn_state_init(&anew->model, &anew->state, inserted_um);
+    const int32_t mm = 1073742, most[3] = {480 * mm, 440 * mm, 380 * mm}, least = 20 * mm;
+    int32_t inserted[3] = {300 * mm, 250 * mm, 200 * mm};
+    uint32_t chance = 1;
+    for (int step = 0; step < 4000; step++) {
+        for (int k = 0; k < 3; k++) {
+            chance = chance * 1664525u + 1013904223u;
+            const int32_t reach = (chance >> 8) % 50 == 0 ? 60 * mm : 2 * mm / 5;
+            const int32_t way = (int32_t)(chance >> 3) % reach;
+            if ((chance >> 28) < 6) continue; /* it rests */
+            inserted[k] += step / 500 % 2 == 0 ? way : -way;
+            inserted[k] = crn_clamp(inserted[k], least, most[k]);
+        }
+        insert(kept, inserted);
+        anew->state.line.count = 0;
+        insert(anew, inserted);
+        assert_same_line(kept, anew, step);
+    }
+    free(kept);
+    free(anew);
+}
+
+static void a_pass_that_keeps_nodes_gives_the_values_of_one_that_builds_all(void **context)
+{
+    (void)context;
+    check_passes(10000, 20000);
+    check_passes(100, 300);
+}
+
 /* --- refusals ------------------------------------------------------------------------------------------- */
 
 static void check_refused(const crn_instrument *tools, uint32_t count, crn_build_status status, uint32_t tool,
@@ -199,6 +292,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_tip_anywhere_in_a_cell_gives_the_series_average),
         cmocka_unit_test(a_catheters_tip_leaves_the_wires_twist_stiffness),
+        cmocka_unit_test(a_pass_that_keeps_nodes_gives_the_values_of_one_that_builds_all),
         cmocka_unit_test(a_curve_tighter_than_the_elements_is_refused_at_its_knot),
         cmocka_unit_test(a_tool_that_cannot_reach_the_shortest_line_is_refused),
         cmocka_unit_test(a_twist_beyond_the_joints_format_is_refused),

@@ -20,7 +20,7 @@ using namespace chip;
 struct Options {
     std::string image, recording, case_file, scene;
     std::vector<std::string> tools;
-    bool shows_functions = false;
+    bool shows_functions = false, shows_dearest = false;
     std::uint32_t samples = 1000, seed = 1, seeds = 1, ticks = 12000, tick = 0;
 };
 
@@ -52,6 +52,22 @@ void price_case(const Options &options)
     if (options.shows_functions) print_functions(processor, pricer.spent(), head.ticks);
 }
 
+// A second emulated device, because the first one has added up what all ticks spent.
+void print_dearest(const Options &options, const crn::Recording &recording,
+                   const std::vector<std::uint32_t> &at, const std::vector<TickPrice> &prices)
+{
+    const auto dearest =
+        std::max_element(prices.begin(), prices.end(), [](const TickPrice &a, const TickPrice &b) {
+            return a.core_cycles < b.core_cycles;
+        });
+    if (dearest == prices.end()) return;
+    const std::uint32_t tick = at[static_cast<std::size_t>(dearest - prices.begin())];
+    ChipDevice chip(options.image);
+    price_recording(chip, recording, {tick});
+    std::printf("dearest tick %u\n", tick);
+    print_functions(chip.processor(), chip.pricer().spent(), 1);
+}
+
 void price_recorded(const Options &options)
 {
     const crn::Recording recording = crn::read_recording(options.recording);
@@ -73,6 +89,7 @@ void price_recorded(const Options &options)
     const NearWords near = read_near(chip.processor());
     std::printf("near_slots %u\nnear_nodes %u\n", near.slot_count, near.node_count);
     if (options.shows_functions) print_functions(chip.processor(), chip.pricer().spent(), prices.size());
+    if (options.shows_dearest) print_dearest(options, recording, at, prices);
 }
 
 TwinSetUp set_up_of(const Options &options)
@@ -147,6 +164,7 @@ void price_found(const Options &options)
     if (found.tick == 0)
         throw PriceError("the drive has no such tick any more; `make budget-search` looks anew");
     print_figures({found.price});
+    if (options.shows_functions) print_functions(chip.processor(), chip.pricer().spent(), 1);
 }
 
 void add_drive(CLI::App *command, Options &options)
@@ -164,11 +182,13 @@ int main(int argc, char **argv)
     app.require_subcommand(1);
     app.add_option("--image", options.image, "chip_device.elf, or chip_case.elf for a case")->required();
     app.add_flag("--functions", options.shows_functions,
-                 "Print what each function takes of a case or session");
+                 "Print what each function takes of a case, session or found tick");
     CLI::App *one_case = app.add_subcommand("case", "A case of the budget");
     one_case->add_option("file", options.case_file, "Written by `budget_make make`")->required();
     CLI::App *session = app.add_subcommand("session", "Ticks of a recording, at equal distances");
     session->add_option("recording", options.recording, "Recording")->required();
+    session->add_flag("--dearest", options.shows_dearest,
+                      "Print what each function takes of the dearest tick");
     session->add_option("--samples", options.samples, "Ticks to price")
         ->check(CLI::PositiveNumber)
         ->capture_default_str();
