@@ -248,4 +248,8 @@ int32_t crn_app_force_measured(const crn_app *app, uint32_t track);
  * computes a tick in FREE_RUN and RUNNING, and writes the outputs. */
 void crn_app_timer(crn_app *app);
 
+/* The port has found by itself that its clock or memory is wrong. The device reports INTERNAL with the line 0
+ * and `value`, and the motors lose their power. */
+void crn_app_port_error(crn_app *app, int32_t value);
+
 #endif

@@ -56,6 +56,11 @@ void crn_app_report(crn_app *app, const crn_findings *findings)
     }
 }
 
+void crn_app_port_error(crn_app *app, int32_t value)
+{
+    crn_app_internal_error(app, 0, value);
+}
+
 void crn_app_internal_error(crn_app *app, int line, int32_t value)
 {
     crn_app_fault(app, CRN_FAULT_CODE_INTERNAL, line, value);

@@ -4,8 +4,8 @@
  *   at power-up      crn_app_init(app, &port)               outputs are off from here on
  *   bytes came in    crn_app_receive(app, bytes, count)     from the main loop, never from an interrupt
  *   1 ms passed      crn_app_timer(app)                     from the main loop, per edge of the timer, late ones too
- * A port needs no other functions of the app. In FREE_RUN the timer decides when a tick runs. In every mode
- * and state, the app reads `inputs` and writes `outputs` once per edge of the timer. */
+ * A port may report a wrong clock (crn_app_port_error). In FREE_RUN the timer decides when a tick runs. In
+ * every mode and state, the app reads `inputs` and writes `outputs` once per edge of the timer. */
 #ifndef CRN_PORT_H
 #define CRN_PORT_H
 

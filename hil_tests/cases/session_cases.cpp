@@ -88,7 +88,8 @@ void pedals_syringe_and_inflator_reach_the_host(Level &level, const CaseOptions 
         plant.buttons = pressed;
         plant.syringe_counts += 700 + 100 * changes;
         plant.inflator_raw = 900 * ++changes; // within the 41 bar that the board measures
-        keep_running(link, 16);
+        keep_running(link, 8);
+        link.free_run(16); // keeps the ticks of this call; a batch of them need not come within 8 ms
         check(!link.live_ticks().empty(), "no tick within 16 ms");
         const crn_wire_tick_input &input = link.live_ticks().back().input;
         check(input.buttons == pressed, "pedals %u, not %u", unsigned{input.buttons}, unsigned{pressed});

@@ -288,6 +288,7 @@ typedef struct rt_usb {
     rt_usb_bus bus;
     bool is_high_speed;
     uint64_t tokens;
+    uint32_t frame_index;
     uint32_t idle_polls; /* reads of USBSTS with nothing to report since the last event */
 } rt_usb;
 void rt_usb_reset(struct rt_chip *chip);

@@ -175,6 +175,15 @@ bool rt_usb_is_idle(const rt_chip *chip)
     return usb->idle_polls >= POLLS_UNTIL_IDLE && usb->prime == 0 && usb->flush == 0;
 }
 
+/* The host sends the number of a frame every millisecond while the bus is active. */
+static uint32_t read_frame(rt_chip *chip)
+{
+    rt_usb *usb = &chip->usb;
+    if (usb->bus == RT_BUS_ACTIVE && !rt_fault_is(&chip->fault, RT_FAULT_SILENCE))
+        usb->frame_index = (uint32_t)(chip->now / (125 * RT_INSTANTS_PER_us)) & MASK(USB_FRINDEX_FRINDEX);
+    return usb->frame_index;
+}
+
 uint32_t rt_usb_read(rt_chip *chip, uint32_t offset)
 {
     rt_usb *usb = &chip->usb;
@@ -186,6 +195,8 @@ uint32_t rt_usb_read(rt_chip *chip, uint32_t offset)
         return read_command(chip);
     case USB_USBSTS:
         return usb->status;
+    case USB_FRINDEX:
+        return read_frame(chip);
     case USB_DEVICEADDR:
         return usb->address;
     case USB_ASYNCLISTADDR:

@@ -6,6 +6,7 @@
  *   memory_map.c   caches and protection                             clocks.c   600 MHz, tick, time, watchdog, serial
  *   pins.c         what every pin is                                 console.c  text on LPUART6
  *   scene_ram.c    the PSRAM for scenes                              usb_phy.c, usb_udc.c   the USB controller
+ *   clock_check.c  timer against the frames of USB
  *   encoders.c     quadrature decoders                               sensors.c  ADC
  *   motors.c       PWM and its fault input                           rig.c      port inputs and outputs
  *   main.c         memory, the port's table, the loop */
@@ -72,6 +73,7 @@ void memory_map_start(void);
 bool clocks_start(void); /* false: a PLL does not lock, and the rig must not run */
 void clocks_start_tick(void);
 void clocks_tick(void);          /* the interrupt */
+uint32_t clocks_edges(void);     /* milliseconds that have begun */
 uint32_t clocks_edges_due(void); /* milliseconds that have begun and are not processed yet */
 void clocks_edge_done(void);
 uint32_t clocks_now_us(void *context);
@@ -100,6 +102,11 @@ bool scene_ram_start(void); /* false: there is no PSRAM */
 /* usb_phy.c, usb_udc.c */
 bool usb_phy_start(void);
 const crn_udc *usb_udc_start(void);
+uint32_t usb_udc_frame(void); /* number of the host's last frame, 0 .. 2,047 */
+
+/* clock_check.c: called with the edges begun and the frame's number. Not 0: frames less edges of a window,
+ * which differ by more than two good clocks can */
+int32_t clock_check(uint32_t edges, uint32_t frame);
 
 /* encoders.c */
 typedef struct encoders_reading {

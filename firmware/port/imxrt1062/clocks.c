@@ -116,6 +116,11 @@ void clocks_tick(void)
     __asm__ volatile("dsb" ::: "memory"); /* the flag is cleared before the interrupt ends */
 }
 
+uint32_t clocks_edges(void)
+{
+    return edges;
+}
+
 uint32_t clocks_edges_due(void)
 {
     return edges - edges_done;

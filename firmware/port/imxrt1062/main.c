@@ -69,6 +69,8 @@ static void tick(void)
     if (clocks_edges_due() == 0) return;
     uint32_t begin = clocks_cycles();
     crn_app_timer(&app);
+    const int32_t difference = clock_check(clocks_edges(), usb_udc_frame());
+    if (difference != 0) crn_app_port_error(&app, difference);
     crn_rig_usb_timer(&usb);
     uint32_t cycles = clocks_cycles() - begin;
     if (cycles > seen.tick_cycles_max) seen.tick_cycles_max = cycles;

@@ -324,6 +324,12 @@ static bool udc_poll(void *context, crn_udc_event *event)
     return take_complete(event) || (setup_waits && take_setup(event));
 }
 
+/* The controller counts microframes of 125 us, and takes the upper eleven bits from the host's packets. */
+uint32_t usb_udc_frame(void)
+{
+    return (R32(BASE_USB1, USB_FRINDEX) & MASK(USB_FRINDEX_FRINDEX)) >> 3;
+}
+
 /* Returns NULL when the controller does not come out of its reset. */
 const crn_udc *usb_udc_start(void)
 {

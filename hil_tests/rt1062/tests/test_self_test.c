@@ -151,6 +151,62 @@ static void a_bad_word_of_the_usb_memory_keeps_the_power_off(void **state)
     expect_bad_word(begin + 0x100);
 }
 
+/* --- the clock --- */
+
+/* Returns whether the lamp of the state FAULT blinks within some milliseconds; in READY it is dark. */
+static bool blinks(double ms)
+{
+    bool is_lit = false;
+    for (double at = 0; at < ms; at += 5) {
+        assert_int_equal(run_without_power(5), RT_STOP_TIME);
+        is_lit = is_lit || rt_pin_level(chip, RT_PIN_LAMP);
+    }
+    return is_lit;
+}
+
+/* Boots at an active bus of high or full speed, and lets the timer's period be `thousandths` of its own. */
+static bool blinks_with_a_tick_of(uint32_t thousandths, bool high_speed)
+{
+    assert_int_equal(open_board(NULL), 0);
+    assert_int_equal(run_without_power(BOOT_ms), RT_STOP_TIME);
+    rt_usb_bus_reset(chip, high_speed);
+    assert_false(blinks(1000));
+    const rt_fault fault = {
+        .kind = RT_FAULT_TICK_RATE, .begin = chip->now, .end = RT_NEVER, .set = thousandths};
+    rt_fault_set(chip, &fault);
+    const bool is_found = blinks(128.0 * 2 * thousandths / 1000 + 200);
+    assert_int_equal(close_board(NULL), 0);
+    return is_found;
+}
+
+/* Requirement: SR-26 */
+static void a_tick_that_is_too_fast_or_too_slow_stops_the_device(void **state)
+{
+    (void)state;
+    assert_true(blinks_with_a_tick_of(100, true));
+    assert_true(blinks_with_a_tick_of(900, true));
+    assert_true(blinks_with_a_tick_of(1100, false));
+    assert_true(blinks_with_a_tick_of(4000, true));
+}
+
+static void a_tick_within_2_per_cent_and_a_bus_that_rests_are_no_fault(void **state)
+{
+    (void)state;
+    assert_false(blinks_with_a_tick_of(980, true));
+    assert_false(blinks_with_a_tick_of(1020, false));
+    assert_int_equal(open_board(NULL), 0);
+    while (!rt_usb_is_attached(chip)) assert_int_equal(run_without_power(0.1), RT_STOP_TIME);
+    for (int i = 0; i < 3; i++) { /* first at the first edge of the timer */
+        rt_usb_bus_reset(chip, true);
+        assert_false(blinks(100));
+        rt_usb_suspend(chip, true);
+        assert_false(blinks(300));
+        rt_usb_suspend(chip, false);
+        assert_false(blinks(100));
+    }
+    assert_int_equal(close_board(NULL), 0);
+}
+
 int main(void)
 {
 #define BOARD_TEST(name) cmocka_unit_test_setup_teardown(name, open_board, close_board)
@@ -162,6 +218,8 @@ int main(void)
         BOARD_TEST(a_bad_word_of_data_memory_keeps_the_power_off),
         BOARD_TEST(a_bad_word_of_the_stack_keeps_the_power_off),
         BOARD_TEST(a_bad_word_of_the_usb_memory_keeps_the_power_off),
+        cmocka_unit_test(a_tick_that_is_too_fast_or_too_slow_stops_the_device),
+        cmocka_unit_test(a_tick_within_2_per_cent_and_a_bus_that_rests_are_no_fault),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
