@@ -81,7 +81,9 @@ typedef struct crn_udc {
      * NULL if the controller has no test modes. */
     void (*test)(void *context, uint8_t selector);
 
-    /* Returns the next event. The function `poll` returns false if there is no new event. */
+    /* Returns the next event, in the order of the bus: transfers that ended before a setup packet come before
+     * it, so that no byte is lost for which the host saw an acknowledgement. The function `poll` returns
+     * false if there is no new event. */
     bool (*poll)(void *context, crn_udc_event *event);
 } crn_udc;
 

@@ -2,8 +2,10 @@
 # Linux' module usbtest against the USB stack of the device (docs/usb.md, "The kernel's own judge"): runs its cases in
 # the guest of level L3, prints a row of TAP for each, and a sum at the end. Run it from the root of the tree.
 #
-#   usbtest.sh [--case N] RUN...         RUN: DEVICE:CONTROLLER[:CABLE]; without a RUN, all that are listed below
+#   usbtest.sh [--case N | --times N] RUN...
 #
+# RUN is DEVICE:CONTROLLER[:CABLE]; without a RUN, all that are listed below run. --case N runs one case alone, and
+# --times N runs all with N times as many transfers.
 # DEVICE is `image` (source and sink on the emulated Cortex-M7), `board` (the same in the board's image on its emulated
 # chip), `rig` (the device as it ships) or `beside` (the same while a session runs over its stream). CONTROLLER is that
 # of the guest, `xhci` or `ehci`. CABLE is `full-speed`, or `lossy`: every 7th acknowledgement in each direction is
@@ -16,8 +18,8 @@ runs=(image:xhci image:ehci image:xhci:full-speed image:ehci:lossy
     board:xhci board:ehci board:xhci:full-speed board:ehci:lossy rig:xhci beside:xhci beside:ehci)
 options=()
 figures=out/hil_usbtest.tsv
-if [ "${1:-}" = --case ]; then
-    options=(--case "${2:?which case?}")
+if [ "${1:-}" = --case ] || [ "${1:-}" = --times ]; then
+    options=("$1" "${2:?a number is missing}")
     shift 2
     figures=
 fi

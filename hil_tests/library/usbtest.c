@@ -3,6 +3,7 @@
  *
  *   usbtest MODULE            the images with source and sink (firmware/app/usb/source_sink)
  *   usbtest MODULE --case N   of these cases one alone
+ *   usbtest MODULE --times N  all cases with N times as many transfers
  *   usbtest MODULE --rig      a rig as it ships: usbtest then knows only endpoint 0, so that the cases 0, 9
  *                             and 10 apply
  *   usbtest MODULE --beside PROGRAM    the cases 9 and 10 over and over by a rig's HID interface, as long as
@@ -35,6 +36,8 @@ enum {
     REQUEST_RECEIVED = 0x5e,
     OPEN_PACKETS_MAX = 3, /* of a transfer of the sink that is not over, and not counted yet */
     COUNT_TRIES = 5,
+    RESETS = 10,
+    TIMES_MAX = 100,
     GADGET_ZERO_VENDOR = 0x0525, /* the kernel's own test device */
     GADGET_ZERO_PRODUCT = 0xa4a0,
     ZEROES = 1, /* sets of patterns */
@@ -102,7 +105,7 @@ static struct {
     char name[64];         /* of the interface in sysfs */
     char driver[32];       /* of the host controller */
 } device;
-static long only_case = -1;
+static long only_case = -1, times = 1;
 
 static void give_up(const char *what, const char *why)
 {
@@ -375,6 +378,32 @@ static void check_judges(void)
           "source and sink then work as before");
 }
 
+/* A reset of the bus unbinds usbtest; the kernel then configures the device and binds usbtest anew. */
+static bool is_bound_again(void)
+{
+    char folder[300], driver[32] = "";
+    snprintf(folder, sizeof folder, DEVICES "/%s", device.name);
+    for (int waited_ms = 0; waited_ms < WAIT_MAX_ms; waited_ms += 10) {
+        read_driver(folder, driver, sizeof driver);
+        if (strcmp(driver, "usbtest") == 0) return true;
+        usleep(10000);
+    }
+    return false;
+}
+
+static void check_resets(void)
+{
+    static const usb_case write = {1, "bulk write", 4, 1000, 0, 0, ZEROES | MOD_63};
+    static const usb_case read = {2, "bulk read", 4, 2048, 0, 0, ZEROES | MOD_63};
+    double seconds = 0;
+    int good = 0;
+    while (good < RESETS && ioctl(device.file, USBDEVFS_RESET) == 0 && is_bound_again() &&
+           run_with_patterns(&write, &seconds) == 0 && run_with_patterns(&read, &seconds) == 0)
+        good++;
+    if (good < RESETS) check_note("reset %d: %s", good + 1, strerror(errno));
+    check(good == RESETS, "after each of 10 resets of the bus, source and sink work");
+}
+
 /* --- beside a program that uses the stream --- */
 
 /* The kernel gives usbtest the stream's interface, because usbhid has the other one. They change places. */
@@ -420,16 +449,21 @@ static void run_rows(void)
     for (int i = 0; i < CASE_COUNT; i++) {
         bool has_passed = false;
         if (only_case >= 0 && cases[i].number != (uint32_t)only_case) continue;
-        const char *left_out = why_left_out(&cases[i]);
+        usb_case one = cases[i];
+        one.iterations *= (uint32_t)times;
+        const char *left_out = why_left_out(&one);
         if (left_out != NULL) {
-            check_note("left out: case %u, %s: %s", cases[i].number, cases[i].name, left_out);
+            check_note("left out: case %u, %s: %s", one.number, one.name, left_out);
             continue;
         }
-        if (!run_row(&cases[i], &has_passed)) continue;
+        if (!run_row(&one, &has_passed)) continue;
         applied++;
         passed += has_passed;
     }
-    if (!device.is_rig && only_case < 0) check_judges();
+    if (!device.is_rig && only_case < 0) {
+        check_judges();
+        check_resets();
+    }
     check_note("usbtest: of %d rows %d apply, and %d of them pass", CASE_COUNT, applied, passed);
 }
 
@@ -438,9 +472,13 @@ int main(int argc, char **argv)
     const char *option = argc > 2 ? argv[2] : "";
     char *program = argc == 4 && strcmp(option, "--beside") == 0 ? argv[3] : NULL;
     device.is_rig = program != NULL || (argc == 3 && strcmp(option, "--rig") == 0);
-    if (argc == 4 && strcmp(option, "--case") == 0) only_case = strtol(argv[3], NULL, 10);
-    if (argc != 2 && !device.is_rig && only_case < 0) {
-        fprintf(stderr, "usage: %s MODULE [--case N | --rig | --beside PROGRAM]\n", argv[0]);
+    const bool has_case = argc == 4 && strcmp(option, "--case") == 0;
+    const bool has_times = argc == 4 && strcmp(option, "--times") == 0;
+    if (has_case) only_case = strtol(argv[3], NULL, 10);
+    if (has_times) times = strtol(argv[3], NULL, 10);
+    const bool is_usable = argc == 2 || device.is_rig || (has_case && only_case >= 0) || has_times;
+    if (!is_usable || times < 1 || times > TIMES_MAX) {
+        fprintf(stderr, "usage: %s MODULE [--case N | --times N | --rig | --beside PROGRAM]\n", argv[0]);
         return 2;
     }
     load_module(argv[1]);

@@ -101,6 +101,13 @@ static void flush(uint32_t bits)
     controller.complete &= ~bits;
 }
 
+/* While a setup packet waits that the driver has not yet reported, a transfer or a stall of endpoint 0 would
+ * answer the wrong request, and is void. */
+static bool has_setup(void)
+{
+    return (LOAD(R32(BASE_USB1, USB_ENDPTSETUPSTAT)) & 1u) != 0;
+}
+
 /* --- requests of the stack --- */
 static void udc_connect(void *context, bool connected)
 {
@@ -160,9 +167,7 @@ static void prime(uint8_t endpoint)
 static void udc_arm(void *context, uint8_t endpoint, uint8_t *bytes, uint32_t count)
 {
     (void)context;
-    /* A setup packet that the driver has not yet reported makes an armed transfer void, because the transfer
-     * would answer the wrong request. */
-    if ((endpoint & 0x7fu) == 0 && LOAD(R32(BASE_USB1, USB_ENDPTSETUPSTAT)) != 0) return;
+    if ((endpoint & 0x7fu) == 0 && has_setup()) return;
     usb_transfer *transfer = &memory.transfers[pipe_of(endpoint)];
     uint32_t begin = (uint32_t)(uintptr_t)bytes;
     if (count > TRANSFER_BYTES_MAX) count = TRANSFER_BYTES_MAX;
@@ -179,6 +184,7 @@ static void udc_stall(void *context, uint8_t endpoint)
     (void)context;
     volatile uint32_t *control = control_of(endpoint);
     if ((endpoint & 0x7fu) == 0) {
+        if (has_setup()) return;
         flush(bit_of(0) | bit_of(CRN_UDC_IN));
         uint32_t both = MASK(USB_ENDPTCTRL0_RXS) | MASK(USB_ENDPTCTRL0_TXS);
         change(control, both, both); /* the next setup packet clears them */
@@ -253,7 +259,6 @@ static bool take_bus(crn_udc_event *event)
 static bool take_setup(crn_udc_event *event)
 {
     volatile uint32_t *command = &R32(BASE_USB1, USB_USBCMD);
-    if ((LOAD(R32(BASE_USB1, USB_ENDPTSETUPSTAT)) & 1u) == 0) return false;
     STORE(R32(BASE_USB1, USB_ENDPTSETUPSTAT), 1);
     bool is_whole = false;
     for (int i = 0; i < WAIT_MAX && !is_whole; i++) {
@@ -312,7 +317,11 @@ static bool udc_poll(void *context, crn_udc_event *event)
 {
     (void)context;
     *event = (crn_udc_event){.kind = CRN_UDC_NOTHING};
-    return take_bus(event) || take_setup(event) || take_complete(event);
+    if (take_bus(event)) return true;
+    /* What ended before the setup packet is in ENDPTCOMPLETE by now. It is reported first, because opening an
+     * endpoint, and the setup packet itself, clear what has not been reported. */
+    const bool setup_waits = has_setup();
+    return take_complete(event) || (setup_waits && take_setup(event));
 }
 
 /* The controller counts microframes of 125 us, and takes the upper eleven bits from the host's packets. */

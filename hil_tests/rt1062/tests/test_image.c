@@ -141,6 +141,37 @@ static void fault_in_the_image_is_reported_and_ends_in_a_reset(void **state)
     close_board(&board);
 }
 
+static rt_usb_reply token(rt_board *board, rt_usb_token kind, bool is_data1, const uint8_t *bytes)
+{
+    static rt_usb_packet packet;
+    packet = (rt_usb_packet){.token = kind, .is_data1 = is_data1, .bytes = bytes != NULL ? 8 : 0};
+    if (bytes != NULL) memcpy(packet.data, bytes, 8);
+    return rt_usb_transact(board->chip, &packet);
+}
+
+/* A host asks the device to leave the bus. When the status stage has ended and the image has not seen that
+ * yet, the next setup packet comes. The device must still leave: what the host saw acknowledged has happened.
+ */
+static void setup_packet_overtakes_no_transfer_that_ended_before(void **state)
+{
+    (void)state;
+    static const uint8_t leave_for_1_s[8] = {0x40, 0x21, 0xe8, 0x03},
+                         get_status[8] = {0x80, 0, 0, 0, 0, 0, 2};
+    rt_board board;
+    open_board(&board);
+    assert_int_equal(run_ms(&board, BOOT_ms), RT_STOP_TIME);
+    rt_usb_bus_reset(board.chip, true);
+    assert_int_equal(run_ms(&board, 20), RT_STOP_TIME);
+    assert_int_equal(token(&board, RT_TOKEN_SETUP, false, leave_for_1_s), RT_USB_ACK);
+    assert_int_equal(run_ms(&board, STEP_ms), RT_STOP_TIME);
+    assert_int_equal(token(&board, RT_TOKEN_IN, true, NULL), RT_USB_DATA1);
+    assert_int_equal(token(&board, RT_TOKEN_SETUP, false, get_status), RT_USB_ACK);
+    assert_true(rt_usb_is_attached(board.chip));
+    assert_int_equal(run_ms(&board, STEP_ms), RT_STOP_TIME);
+    assert_false(rt_usb_is_attached(board.chip));
+    close_board(&board);
+}
+
 /* --- wrong writes --- */
 static const struct {
     const char *what;
@@ -234,6 +265,7 @@ int main(void)
         cmocka_unit_test(board_without_psram_says_so_and_runs),
         cmocka_unit_test(lost_timer_interrupt_ends_in_the_watchdogs_reset),
         cmocka_unit_test(fault_in_the_image_is_reported_and_ends_in_a_reset),
+        cmocka_unit_test(setup_packet_overtakes_no_transfer_that_ended_before),
         cmocka_unit_test(every_wrong_write_is_named_by_the_model),
         cmocka_unit_test(image_without_its_banks_of_memory_stops),
         cmocka_unit_test(rom_refuses_a_flash_without_its_header),
