@@ -18,6 +18,8 @@ constexpr std::uint32_t host_every_ms = 8, checkpoints = 4, first_checkpoint_ms 
 constexpr double hand_m_per_s = 0.1, hand_rad_per_s = 3.0;
 // A force that was not asked for: what docs/faults.md lets the device take for one, and for how long.
 constexpr double strange_N = 1.0, strange_share = 0.25, strange_ms = 12;
+// The undisturbed session feels at least this. Without a force, no fault could break a limit.
+constexpr double felt_N = 0.5;
 
 // The pipe to the device. Before the fault it is the bench's own. Afterwards no call lets time pass, because
 // time belongs to the rig and its judge.
@@ -318,6 +320,10 @@ std::vector<double> undisturbed_forces(ChipSession &session)
         [&](int to) { return is_sent(to, session.run_undisturbed(undisturbed_ms).data(), bytes); });
     if (!end_copy(copy, forces.data(), bytes))
         throw std::runtime_error("the undisturbed session ended early");
+    if (std::none_of(forces.begin(), forces.end(), [](double N) { return std::abs(N) >= felt_N; }))
+        throw std::runtime_error(
+            "the undisturbed session feels no force: nothing would be tried; look why its "
+            "motors have no power (hil_rt1062)");
     return forces;
 }
 
