@@ -85,10 +85,16 @@ void clocks_serial(char serial[BOARD_SERIAL_BYTES + 1]);
 /* pins.c */
 void pins_start(void);
 
-/* self_test.c: called from the flash, before data memory is in use */
-__attribute__((long_call)) uint32_t self_test_memory(void); /* address of a bad word, 0: none; erases all */
-__attribute__((long_call)) uint32_t self_test_image(void);  /* difference of its CRC-32, 0: it is whole */
-__attribute__((long_call, noreturn)) void self_test_stop(const char *what, uint32_t value);
+/* self_test.c: called from the flash, before data memory is in use; the instruction memory with its code is
+ * far */
+#if defined(__arm__)
+#define SELF_TEST_CALL __attribute__((long_call))
+#else
+#define SELF_TEST_CALL /* the tests of the port on the PC */
+#endif
+SELF_TEST_CALL uint32_t self_test_memory(void); /* address of a bad word, 0: none; erases all */
+SELF_TEST_CALL uint32_t self_test_image(void);  /* difference of its CRC-32, 0: it is whole */
+SELF_TEST_CALL __attribute__((noreturn)) void self_test_stop(const char *what, uint32_t value);
 
 /* console.c */
 void console_start(void);
