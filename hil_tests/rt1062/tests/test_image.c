@@ -3,7 +3,7 @@
  * register keeps it waiting, and the model names the wait or the fault. Time is the chip's own, counted in
  * instructions. */
 #define _POSIX_C_SOURCE 200809L
-#include "hil_tests/rt1062/engine.h"
+#include "hil_tests/rt1062/tests/image_room.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,21 +21,13 @@ typedef struct rt_board {
 
 static void open_board(rt_board *board)
 {
-    char path[512];
-    const char *build = getenv("BUILD"), *error;
-    snprintf(path, sizeof path, "%s/firmware/cournand-imxrt1062.elf", build != NULL ? build : "build");
-    board->chip = rt_chip_create();
-    assert_non_null(board->chip);
-    board->engine = rt_engine_create(board->chip, path, &error);
-    if (board->engine == NULL) fail_msg("%s: %s", path, error);
-    rt_pin_drive(board->chip, RT_PIN_FAULT, RT_HIGH, 0);
+    assert_true(begin_image(&board->chip, &board->engine));
     rt_usb_plug(board->chip, true);
 }
 
 static void close_board(rt_board *board)
 {
-    rt_engine_destroy(board->engine);
-    rt_chip_destroy(board->chip);
+    end_image(board->chip, board->engine);
 }
 
 static rt_stop run_ms(rt_board *board, double ms)
@@ -48,11 +40,6 @@ static uint32_t value_of(rt_board *board, const char *name)
     return rt_engine_word(board->engine, rt_engine_symbol(board->engine, name));
 }
 
-static bool says(const rt_chip *chip, const char *text)
-{
-    return strstr(chip->uart.text, text) != NULL;
-}
-
 static void image_boots_and_ticks_with_every_wait_answered(void **state)
 {
     (void)state;
@@ -63,9 +50,9 @@ static void image_boots_and_ticks_with_every_wait_answered(void **state)
     assert_int_equal(run_ms(&board, 1000), RT_STOP_TIME);
     if (rt_report(board.chip, stderr, rt_engine_place, board.engine) != 0)
         fail_msg("waits or findings are left");
-    assert_true(says(board.chip, "cournand on imxrt1062: core "));
-    assert_true(says(board.chip, "serial RT1062-012345674D2A1062\n"));
-    assert_false(says(board.chip, "PSRAM"));
+    assert_true(console_says(board.chip, "cournand on imxrt1062: core "));
+    assert_true(console_says(board.chip, "serial RT1062-012345674D2A1062\n"));
+    assert_false(console_says(board.chip, "PSRAM"));
     assert_int_equal(value_of(&board, "edges"), edges + 1000);
     assert_int_equal(value_of(&board, "edges_done"), edges + 1000);
     assert_int_equal(board.chip->watchdogs.served, served + 1000);
@@ -95,7 +82,7 @@ static void board_without_psram_says_so_and_runs(void **state)
     open_board(&board);
     board.chip->psram.is_fitted = false;
     run_ms(&board, BOOT_ms + 20);
-    assert_true(says(board.chip, "no PSRAM answers"));
+    assert_true(console_says(board.chip, "no PSRAM answers"));
     assert_true(value_of(&board, "edges_done") > 0);
     close_board(&board);
 }
@@ -111,7 +98,7 @@ static void lost_timer_interrupt_ends_in_the_watchdogs_reset(void **state)
     assert_int_equal(run_ms(&board, 2300), RT_STOP_RESET);
     rt_chip_tamper(board.chip, 0, 0, 0);
     assert_int_equal(run_ms(&board, BOOT_ms + 20), RT_STOP_TIME);
-    assert_true(says(board.chip, "the last start ended by the watchdog\n"));
+    assert_true(console_says(board.chip, "the last start ended by the watchdog\n"));
     assert_true(value_of(&board, "edges_done") > 0);
     close_board(&board);
 }
@@ -124,7 +111,7 @@ static void fault_in_the_image_is_reported_and_ends_in_a_reset(void **state)
     (void)state;
     rt_board board;
     open_board(&board);
-    for (int ms = 0; ms < BOOT_ms && !says(board.chip, "cournand"); ms++)
+    for (int ms = 0; ms < BOOT_ms && !console_says(board.chip, "cournand"); ms++)
         assert_int_equal(run_ms(&board, 1), RT_STOP_TIME);
     assert_int_equal(value_of(&board, "edges"), 0);
     const uint32_t at = rt_engine_symbol(board.engine, "clocks_tick") & ~1u, shift = 8 * (at & 2u);
@@ -136,8 +123,8 @@ static void fault_in_the_image_is_reported_and_ends_in_a_reset(void **state)
                             .flip = (there ^ UNDEFINED_INSTRUCTION) << shift};
     rt_fault_set(board.chip, &fault);
     assert_int_equal(run_ms(&board, 2300), RT_STOP_RESET);
-    assert_true(says(board.chip, "fault: exception 6 at pc 0x"));
-    assert_true(says(board.chip, "status 0x00010000; power off, waiting for the watchdog's reset\n"));
+    assert_true(console_says(board.chip, "fault: exception 6 at pc 0x"));
+    assert_true(console_says(board.chip, "status 0x00010000; power off, waiting for the watchdog's reset\n"));
     close_board(&board);
 }
 

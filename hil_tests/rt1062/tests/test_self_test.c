@@ -2,7 +2,7 @@
  * console, and gives the power stage no power; the watchdog then resets the chip. Bits are flipped in the
  * model of the chip, in the flash before the start and in the memories while they are tested. */
 #define _POSIX_C_SOURCE 200809L
-#include "hil_tests/rt1062/engine.h"
+#include "hil_tests/rt1062/tests/image_room.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,13 +19,7 @@ static rt_engine *engine;
 static int open_board(void **state)
 {
     (void)state;
-    char path[512];
-    const char *build = getenv("BUILD"), *error;
-    snprintf(path, sizeof path, "%s/firmware/cournand-imxrt1062.elf", build != NULL ? build : "build");
-    chip = rt_chip_create();
-    engine = chip == NULL ? NULL : rt_engine_create(chip, path, &error);
-    if (engine == NULL) return 1;
-    rt_pin_drive(chip, RT_PIN_FAULT, RT_HIGH, 0);
+    if (!begin_image(&chip, &engine)) return 1;
     rt_usb_plug(chip, true);
     return 0;
 }
@@ -33,14 +27,13 @@ static int open_board(void **state)
 static int close_board(void **state)
 {
     (void)state;
-    rt_engine_destroy(engine);
-    rt_chip_destroy(chip);
+    end_image(chip, engine);
     return 0;
 }
 
 static bool says(const char *text)
 {
-    return strstr(chip->uart.text, text) != NULL;
+    return console_says(chip, text);
 }
 
 /* Runs in small steps, in which neither enable nor a motor's PWM may be high. */

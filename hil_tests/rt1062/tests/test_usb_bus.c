@@ -2,6 +2,7 @@
  * that shares no code with them, a lost handshake costs nothing, and a transfer that spans pages arrives
  * whole. */
 #include "hil_tests/rt1062/stream.h"
+#include "hil_tests/rt1062/tests/image_room.h"
 #include "hil_tests/usb/usb_judge.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,13 +21,7 @@ typedef struct rt_board {
 static int open_board(void **state)
 {
     static rt_board board;
-    char path[512];
-    const char *build = getenv("BUILD"), *error;
-    snprintf(path, sizeof path, "%s/firmware/cournand-imxrt1062.elf", build != NULL ? build : "build");
-    board.chip = rt_chip_create();
-    board.engine = board.chip != NULL ? rt_engine_create(board.chip, path, &error) : NULL;
-    if (board.engine == NULL) return -1;
-    rt_pin_drive(board.chip, RT_PIN_FAULT, RT_HIGH, 0);
+    if (!begin_image(&board.chip, &board.engine)) return -1;
     board.stream = rt_stream_create(board.engine);
     *state = &board;
     return board.stream != NULL ? 0 : -1;
@@ -36,8 +31,7 @@ static int close_board(void **state)
 {
     rt_board *board = *state;
     rt_stream_destroy(board->stream);
-    rt_engine_destroy(board->engine);
-    rt_chip_destroy(board->chip);
+    end_image(board->chip, board->engine);
     return 0;
 }
 
