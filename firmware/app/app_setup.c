@@ -204,7 +204,7 @@ void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, 
     crn_app_reject(app, type, is_listed ? codes[status] : CRN_REJECT_TOOL_RANGE, place->tool, place->knot);
 }
 
-static const crn_entry neutral_entry = {{{0, 0, 0}}, {{0, CRN_ONE_Q30, 0}}};
+static const crn_entry neutral_entry = {{{0, 0, 0}}, {{0, CRN_ONE_Q30, 0}}, CRN_BLOOD_kg_m3};
 
 /* If a message does not say which tools are nested at the start, all tools of the table are nested, in the
  * table's order. Returns the number of places for nested tools, or 0 if this number would exceed
@@ -275,6 +275,7 @@ void crn_app_entry(crn_app *app, const uint8_t *payload, size_t length)
     const crn_entry candidate = {
         crn_vec3_make(wire.position_x_m_q30, wire.position_y_m_q30, wire.position_z_m_q30),
         crn_vec3_make(wire.direction_x_q30, wire.direction_y_q30, wire.direction_z_q30),
+        CRN_BLOOD_kg_m3,
     };
     crn_build_place place = {0, 0};
     crn_build_status status = crn_app_build(app, NULL, &candidate, &place);

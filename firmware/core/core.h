@@ -24,7 +24,7 @@
 #endif
 
 enum {
-    CRN_CORE_VERSION = 15,      /* changes whenever the same inputs may give another hash */
+    CRN_CORE_VERSION = 16,      /* changes whenever the same inputs may give another hash */
     CRN_TOOL_MAX = 3,           /* positions of one line, each with one coaxial tool or none */
     CRN_TABLE_MAX = 8,          /* tools that one session can use, on the line and beside it */
     CRN_KNOT_MAX = 32,          /* knots of one instrument */
@@ -33,6 +33,7 @@ enum {
     CRN_PRESSURE_MAX_Pa = 4000000,
     CRN_STRUT_RING_MAX = 64, /* of all stents */
     CRN_TICK_us = 1000,
+    CRN_BLOOD_kg_m3 = 1060,
 };
 
 /* A knot gives the properties of an instrument at one arc length. Between knots, properties are interpolated
@@ -84,6 +85,9 @@ typedef struct crn_instrument {
 typedef struct crn_entry {
     crn_vec3 position_m_q30; /* centre of the sheath's distal end */
     crn_vec3 direction_q30;  /* unit vector into the vessel */
+    /* Density of the blood around the tools and in their lumens, 0 .. 2 000; 0: none. The tools lose the
+     * weight of the blood that they displace, and move blood along. */
+    uint32_t blood_kg_m3;
 } crn_entry;
 
 typedef struct crn_model crn_model; /* the complete type is in core_model.h, for those who own the memory */
@@ -97,7 +101,7 @@ typedef enum crn_build_status {
                            nodes */
     CRN_BUILD_ELEMENTS, /* element lengths out of range, or so long that the rest shape turns by more than 1.2
                            rad in one element */
-    CRN_BUILD_ENTRY,    /* direction is not a unit vector, or position is outside +-1.9 m */
+    CRN_BUILD_ENTRY, /* direction is not a unit vector, position is outside +-1.9 m, or blood is too dense */
     CRN_BUILD_OVERFLOW, /* stiffness or mass and element length together exceed the number format */
     CRN_BUILD_TOOLS,   /* the number of tools or positions is out of range, or the line names a tool that does
                           not exist, one tool twice, or no tool at all */

@@ -63,8 +63,6 @@ static void build_cells(crn_model *model)
         crn_mesh_node *node = &model->mesh[i];
         node->cell_end_m_q30 = node->arc_m_q30 + node->length_m_q30 / 2;
         node->inverse_cell_per_m_q18 = inverse_per_m_q18(node->cell_end_m_q30 - begin);
-        node->bearing_share_q30 =
-            crn_quotient(node->length_m_q30, node->length_m_q30 + CRN_BEARING_M_Q30, 30);
         begin = node->cell_end_m_q30;
     }
 }
@@ -109,22 +107,33 @@ static crn_build_status build_mesh(crn_model *model, const mesh_plan *plan)
 
 /* --- tools ---------------------------------------------------------------------------------------------- */
 
+/* Returns the mass per length of the blood that the wall of a tool displaces, in Q34 kg/m: half of
+ * `added_kg_m3`, which is pi times the density, times the difference of the squared radii. The lumen holds
+ * blood, or another tool, which loses weight by itself. The conversion factor from um^2 kg/m^3 is 2^33 / 1e12
+ * = 2^21 / 244140625. Overflow is impossible: 2000^2 x 12566 x 2^21 is below 2^57. */
+static int32_t displaced_mass(const crn_knot *knot, int32_t added_kg_m3)
+{
+    const int64_t outer = knot->radius_outer_um, inner = knot->radius_inner_um;
+    return scaled((outer * outer - inner * inner) * added_kg_m3, 1u << 21, 244140625u);
+}
+
 /* Converts the properties given at a knot (a point along the tool) to the formats of crn_property. The
  * conversion factors are 2^35 / 1e9 from nN m^2 to Q35, 2^20 / 1000 from milli/m to Q20, and 2^34 / 1e6 from
  * mg/m to Q34 kg/m. */
-static void knot_values(const crn_knot *knot, int32_t values[CRN_PROPERTY_COUNT])
+static void knot_values(const crn_knot *knot, int32_t added_kg_m3, int32_t values[CRN_PROPERTY_COUNT])
 {
     values[CRN_BEND_N_M2_Q35] = scaled(knot->bend_stiffness_nN_m2, (uint64_t)1 << 35, 1000000000u);
     values[CRN_TWIST_N_M2_Q35] = scaled(knot->twist_stiffness_nN_m2, (uint64_t)1 << 35, 1000000000u);
     values[CRN_CURVE1_PER_M_Q20] = scaled(knot->rest_curvature1_per_m_milli, 1u << 20, 1000u);
     values[CRN_CURVE2_PER_M_Q20] = scaled(knot->rest_curvature2_per_m_milli, 1u << 20, 1000u);
-    values[CRN_MASS_KG_PER_M_Q34] = scaled(knot->mass_mg_per_m, (uint64_t)1 << 34, 1000000u);
+    values[CRN_MASS_KG_PER_M_Q34] =
+        scaled(knot->mass_mg_per_m, (uint64_t)1 << 34, 1000000u) - displaced_mass(knot, added_kg_m3);
     values[CRN_RADIUS_M_Q30] = micrometres_to_q30(knot->radius_outer_um);
     values[CRN_KINETIC_Q30] = scaled(knot->friction_kinetic_milli, CRN_ONE_Q30, 1000u);
     values[CRN_STATIC_Q30] = scaled(knot->friction_static_milli, CRN_ONE_Q30, 1000u);
 }
 
-static void build_span(crn_span *span, const crn_knot *a, const crn_knot *b)
+static void build_span(crn_span *span, const crn_knot *a, const crn_knot *b, int32_t added_kg_m3)
 {
     int32_t to[CRN_PROPERTY_COUNT];
     span->begin_m_q30 = micrometres_to_q30(a->arc_um);
@@ -133,8 +142,8 @@ static void build_span(crn_span *span, const crn_knot *a, const crn_knot *b)
     span->inverse_mantissa = crn_reciprocal_q30((uint32_t)(span->end_m_q30 - span->begin_m_q30) << lead);
     span->shift = 31 - lead;
     span->flat = 1;
-    knot_values(a, span->from);
-    knot_values(b, to);
+    knot_values(a, added_kg_m3, span->from);
+    knot_values(b, added_kg_m3, to);
     for (int k = 0; k < CRN_PROPERTY_COUNT; k++) {
         span->delta[k] = to[k] - span->from[k];
         span->flat &= span->delta[k] == 0;
@@ -160,7 +169,8 @@ static void build_tool(crn_model *model, uint32_t number, const crn_instrument *
     crn_tool *tool = &model->table[number].tool;
     for (uint32_t i = 0; i + 1 < instrument->knot_count; i++) {
         if (instrument->knots[i + 1].arc_um > instrument->knots[i].arc_um) {
-            build_span(&tool->spans[tool->span_count++], &instrument->knots[i], &instrument->knots[i + 1]);
+            build_span(&tool->spans[tool->span_count++], &instrument->knots[i], &instrument->knots[i + 1],
+                       model->added_kg_m3);
         }
     }
     tool->length_m_q30 = tool->spans[tool->span_count - 1].end_m_q30;
@@ -175,6 +185,7 @@ static void build_tool(crn_model *model, uint32_t number, const crn_instrument *
     int32_t end = tool->length_m_q30 < last->arc_m_q30 ? tool->length_m_q30 : last->arc_m_q30;
     tool->inserted_max_m_q30 = end - held;
     build_table_tool(&model->table[number], instrument);
+    tool->bore_m_q30 = micrometres_to_q30(model->table[number].bore_um);
 }
 
 /* --- number format -------------------------------------------------------------------------------------- */
@@ -360,12 +371,13 @@ static crn_build_status check_reach(const crn_model *model, uint32_t k, const cr
     return CRN_BUILD_OK;
 }
 
-/* Checks that the heaviest set of nested tools has less than 1.95 g in the longest element, because the
- * fixed-point format cannot hold more. */
+/* Checks that the heaviest set of nested tools, with the blood that the widest tool moves along, has less
+ * than 1.95 g in the longest element, because the fixed-point format cannot hold more. */
 static crn_build_status check_mass(const crn_model *model)
 {
     const crn_mesh_node *last = &model->mesh[model->node_count - 1];
     largest_values heaviest = {{0}};
+    int32_t widest_m_q30 = 0;
     for (uint32_t k = 0; k < model->table_count; k++) {
         const crn_tool *tool = &model->table[k].tool;
         int32_t most = 0;
@@ -375,9 +387,11 @@ static crn_build_status check_mass(const crn_model *model)
             most = from > most ? from : most;
             most = to > most ? to : most;
         }
+        const int32_t radius_m_q30 = micrometres_to_q30(model->table[k].outer_um);
+        widest_m_q30 = radius_m_q30 > widest_m_q30 ? radius_m_q30 : widest_m_q30;
         keep_largest(&heaviest, most);
     }
-    int64_t sum_q34 = 0;
+    int64_t sum_q34 = crn_added_mass_q34(model, widest_m_q30);
     for (int i = 0; i < CRN_TOOL_MAX; i++) {
         sum_q34 += heaviest.values[i];
     }
@@ -464,6 +478,7 @@ crn_build_status crn_model_build_table(crn_model *model, const crn_instrument *t
     model->table_count = table_count;
     model->tool_count = line_count;
     model->stall_N_q22 = 6 << 22;
+    model->added_kg_m3 = scaled(entry->blood_kg_m3, 6283185, 1000000);
     status = build_table(model, table, place);
     if (status != CRN_BUILD_OK) {
         return status;

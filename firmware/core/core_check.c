@@ -143,6 +143,9 @@ crn_build_status crn_check_entry(const crn_entry *entry)
 {
     const int32_t limit_m_q30 = 2040109465; /* 1.9 m */
     int64_t square = 0;
+    if (entry->blood_kg_m3 > 2000) {
+        return CRN_BUILD_ENTRY;
+    }
     for (int k = 0; k < 3; k++) {
         int32_t position = entry->position_m_q30.v[k];
         if (position > limit_m_q30 || position < -limit_m_q30) {

@@ -51,7 +51,9 @@ enum {
     /* a cell clipped at the inserter's distal end may always keep only this part of its length, */
     CRN_CLIP_SURE = 10,
     CRN_CLIP_MAX = 32,                  /* or only this part, where the number format has room for it */
-    CRN_BEARING_M_Q30 = 3221225,        /* 3 mm: length over which a tool bears on the one around it */
+    CRN_BEARING_BEND_M_Q30 = 42949673,  /* R 40 mm: bend for which the bearing length of two tools is taken */
+    CRN_BEARING_MIN_M_Q30 = 536871,     /* 0.5 mm */
+    CRN_TENSION_MAX_N_Q22 = 240 << 22,  /* force of an edge, clamped: forty times the force of a hand */
     CRN_GRIP_STIFFNESS_N_M_Q26 = 26844, /* 4e-4 N m: bristle between one tool and another that it turns in */
     CRN_GRIP_COMPLIANCE_PER_N_M = 2500, /* its inverse */
     /* -5 mm: how far a tool that does not lead may be withdrawn into the inserter */
@@ -65,7 +67,7 @@ typedef enum crn_property {
     CRN_TWIST_N_M2_Q35,   /* GJ */
     CRN_CURVE1_PER_M_Q20, /* rest curvature towards d1 */
     CRN_CURVE2_PER_M_Q20,
-    CRN_MASS_KG_PER_M_Q34,
+    CRN_MASS_KG_PER_M_Q34, /* less the mass of the blood that the tool displaces */
     CRN_RADIUS_M_Q30,
     CRN_KINETIC_Q30,
     CRN_STATIC_Q30,
@@ -89,6 +91,7 @@ typedef struct crn_tool {
     int32_t inserted_max_m_q30;
     int32_t lumen_friction_q30; /* friction of the lumen on the tool inside */
     int32_t shaft_radius_m_q30; /* radius at the proximal end: lever of the friction inside the next tool */
+    int32_t bore_m_q30;         /* smallest radius of the lumen; 0: none */
     crn_span spans[CRN_KNOT_MAX - 1];
 } crn_tool;
 
@@ -100,8 +103,6 @@ typedef struct crn_mesh_node {
     int32_t inverse_length_per_m_q18;
     int32_t cell_end_m_q30; /* arc + length / 2 */
     int32_t inverse_cell_per_m_q18;
-    int32_t bearing_share_q30; /* length / (length + CRN_BEARING): how quickly a tool's moment is transferred
-                                  to the next tool */
 } crn_mesh_node;
 
 /* Springs of 2e5 N/m hold the tip in those validation cases (Euler and Greenhill buckling) in which the tip
@@ -150,6 +151,9 @@ struct crn_model {
     int32_t axial_max_N_q17;                 /* cap of EA */
     int32_t stall_N_q22;                     /* handle force at which the feed stops */
     int32_t gravity_m_s2_q20[3];
+    /* 2 pi times the density of the blood: times the square of the outer radius, the blood that a tool
+     * replaces and the blood that it pushes aside, per length */
+    int32_t added_kg_m3;
     crn_vec3 tip_load_N_q22; /* dead load on node 0, for validation */
     crn_tip_hold hold;
     crn_vec3 base_axis1_q30, base_axis2_q30; /* material axes of the inserter at hand angle 0 */

@@ -200,16 +200,20 @@ static bool held_is_valid(const crn_model *model, const crn_node_state *node, in
 
 static bool tools_are_valid(const crn_model *model, const crn_state_words *words)
 {
-    const crn_tool_state none = {0, 0, 0, 0, 0};
+    const crn_tool_state none = {0, 0, 0, 0, 0, 0, 0};
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
         const crn_tool_state *tool = &words->tools[k];
         if (k >= model->tool_count) {
             if (tool->inserted_m_q30 != none.inserted_m_q30 || tool->hand_offset_m_q30 != 0 ||
-                tool->base_turn32 != 0 || tool->handle_axial_N_q22 != 0 || tool->slide_grip_m_q33 != 0) {
+                tool->base_turn32 != 0 || tool->handle_axial_N_q22 != 0 || tool->slide_grip_m_q33 != 0 ||
+                tool->slide_share_q30 != 0 || tool->tip_axial_N_q22 != 0) {
                 return false;
             }
         } else if (tool->inserted_m_q30 < CRN_WITHDRAWN_M_Q30 ||
-                   tool->inserted_m_q30 > crn_exchange_inserted_max(model, words, k)) {
+                   tool->inserted_m_q30 > crn_exchange_inserted_max(model, words, k) ||
+                   tool->slide_share_q30 > CRN_ONE_Q30 || tool->slide_share_q30 < -CRN_ONE_Q30 ||
+                   tool->tip_axial_N_q22 > CRN_TENSION_MAX_N_Q22 ||
+                   tool->tip_axial_N_q22 < -CRN_TENSION_MAX_N_Q22) {
             return false;
         }
     }

@@ -33,6 +33,10 @@ typedef struct crn_tool_state {
     uint32_t base_turn32;      /* angle of the tool's material frame in the inserter */
     int32_t handle_axial_N_q22;
     int32_t slide_grip_m_q33; /* friction: elastic slide of this tool inside the next one */
+    int32_t slide_share_q30;  /* part of the largest friction that this slide has, -1 .. 1 */
+    /* axial force of this tool and those inside it where they come out of the next one's tip, + in tension,
+     * smoothed */
+    int32_t tip_axial_N_q22;
 } crn_tool_state;
 
 typedef struct crn_balloon_ball {
@@ -119,7 +123,8 @@ typedef struct crn_line_node {
     int32_t axial_stiffness_N_q17; /* edge: EA */
     /* sum of length / EA of edges 0 .. i-1, saturated; up to the first steady node */
     int32_t compliance_m_N_q40;
-    int32_t mass_kg_q40;
+    int32_t mass_kg_q40;   /* inertia, with the blood that moves along */
+    int32_t weight_kg_q40; /* mass less that of the blood displaced; negative where the tools float */
     int32_t radius_m_q30;
     int32_t kinetic_q30, static_q30;
     uint8_t outer, under; /* the tool that touches the wall, and the one beneath it in the cell of a tip */

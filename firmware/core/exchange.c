@@ -250,6 +250,8 @@ static void forget_tool(const crn_model *model, crn_state_words *words, uint32_t
     crn_tool_state *tool = &words->tools[position];
     tool->handle_axial_N_q22 = 0;
     tool->slide_grip_m_q33 = 0;
+    tool->slide_share_q30 = 0;
+    tool->tip_axial_N_q22 = 0;
     for (uint32_t i = 0; i < words->free_count + 3; i++) {
         crn_node_state *node = &words->nodes[i];
         node->angle_turn32[position] = 0u - tool->base_turn32;

@@ -126,6 +126,28 @@ static inline int32_t crn_to_exponent(int64_t value_q8, unsigned exponent)
     return crn_sat32(exponent >= 8 ? value_q8 << (exponent - 8) : crn_rshift_round64(value_q8, 8 - exponent));
 }
 
+/* Returns the mass per length of the blood that the outermost tool moves along: what its outside displaces,
+ * which the weights of the tools leave out, and as much again around it (the added mass of a cylinder that
+ * moves across). Format: Q30 m squared -> Q34 kg/m. Overflow is impossible: 2 mm and 2 000 kg/m^3 give 2^56
+ * before the shift. */
+static inline int64_t crn_added_mass_q34(const crn_model *model, int32_t radius_m_q30)
+{
+    return (crn_product(radius_m_q30, radius_m_q30) * model->added_kg_m3) >> 26;
+}
+
+/* Sets the weight of a node, and its inertia, which has the blood that moves along. A part of a cell with a
+ * wide tool's tip could come out lighter than any tool may be; it gets the mass of the lightest tool, 0.5
+ * g/m. */
+static inline void crn_set_mass(const crn_model *model, crn_line_node *node, int64_t weight_kg_per_m_q34,
+                                int32_t length_m_q30)
+{
+    enum { LIGHTEST_KG_PER_M_Q34 = 8589935 };
+    int64_t mass = weight_kg_per_m_q34 + crn_added_mass_q34(model, node->radius_m_q30);
+    mass = mass > LIGHTEST_KG_PER_M_Q34 ? mass : LIGHTEST_KG_PER_M_Q34;
+    node->weight_kg_q40 = crn_sat32(crn_rshift_round64(weight_kg_per_m_q34 * length_m_q30, 24));
+    node->mass_kg_q40 = crn_sat32(crn_rshift_round64(mass * length_m_q30, 24));
+}
+
 /* Returns the inertia term m / h^2 (node's mass over the square of the tick) in Q(a) N/m, with a <= 14. A
  * mass in Q40 kg, multiplied by 1e6 2^10 / 2^32, gives a stiffness in Q18 N/m. The matrix and the right side
  * must contain the same rounded inertia term, because a difference of 2 % between them would cancel the

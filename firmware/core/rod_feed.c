@@ -194,7 +194,7 @@ static void add_weight(const crn_model *model, const crn_line_node *line, weight
 {
     for (int k = 0; k < 3; k++) {
         /* kg Q40 x m/s^2 Q20 -> N Q22 */
-        int64_t exact = (int64_t)line->mass_kg_q40 * model->gravity_m_s2_q20[k] + carry->rest[k];
+        int64_t exact = (int64_t)line->weight_kg_q40 * model->gravity_m_s2_q20[k] + carry->rest[k];
         int64_t rounded = crn_rshift_round64(exact, 38);
         carry->rest[k] = exact - rounded * ((int64_t)1 << 38);
         force->v[k] = crn_sat32(force->v[k] + rounded);
@@ -338,7 +338,7 @@ CRN_LANES_TARGET static void lanes_add_weights(const crn_model *model, crn_state
     for (uint32_t i = 0; i < state->words.free_count; i++) {
         int32_t *force = state->scratch.nodes[i].force_N_q22.v;
         const crn_lanes exact =
-            crn_lanes_product(crn_lanes_all(state->line.nodes[i].mass_kg_q40), gravity) + rest;
+            crn_lanes_product(crn_lanes_all(state->line.nodes[i].weight_kg_q40), gravity) + rest;
         const crn_lanes rounded = crn_lanes_asr(exact + crn_lanes_all((int64_t)1 << 37), 38);
         rest = exact - (crn_lanes)((crn_lanes_u64)rounded << 38);
         crn_lanes_write3(force, crn_lanes_sat32(crn_lanes_read(force) + rounded));

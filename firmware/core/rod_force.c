@@ -12,11 +12,10 @@
 #include "firmware/core/rod.h"
 
 enum {
-    STRAIN_SMALL_Q30 = 1 << 27,    /* up to 12.5 % strain a series gives the direction too, */
-    STRAIN_MAX_Q30 = 1 << 28,      /* up to 25 % a root gives it: 13 % were seen where the soft end of a wire
-                                      folds; clamped beyond */
-    W_MAX_Q30 = 1503238553,        /* 1.4: |w|^2 and the square of a difference of two fit 64 bits */
-    TENSION_MAX_N_Q22 = 240 << 22, /* edge force, clamped: forty times the force of a hand */
+    STRAIN_SMALL_Q30 = 1 << 27, /* up to 12.5 % strain a series gives the direction too, */
+    STRAIN_MAX_Q30 = 1 << 28,   /* up to 25 % a root gives it: 13 % were seen where the soft end of a wire
+                                   folds; clamped beyond */
+    W_MAX_Q30 = 1503238553,     /* 1.4: |w|^2 and the square of a difference of two fit 64 bits */
     TENSION_STIFF_MAX_N_Q22 = 32 << 22,
     /* Limits the force of one joint on one node. Straightening the curve of a 6F guiding catheter (R is 7 mm)
      * in elements of 1 mm needs 52 N. The largest force seen was 91 N, when hands pushed this curve through
@@ -112,7 +111,7 @@ static void edge_forces(const crn_model *model, crn_state *state, uint32_t i)
                                   &here->u.a.stretch_q30, tangent, &state->words.fault_bits);
     /* Q17 N x Q30 -> Q22 N */
     int32_t tension = crn_limit64((int64_t)state->line.nodes[i].axial_stiffness_N_q17 * here->strain_q30, 25,
-                                  TENSION_MAX_N_Q22 >> 7, CRN_FAULT_SATURATED, &state->words.fault_bits);
+                                  CRN_TENSION_MAX_N_Q22 >> 7, CRN_FAULT_SATURATED, &state->words.fault_bits);
     here->geometric = geometric_stiffness(tension, inverse, model->stiffness_exponent);
     for (int k = 0; k < 3; k++) {
         int32_t pull = crn_scale_q30(tension, tangent->v[k]);
@@ -161,7 +160,7 @@ CRN_LANES_TARGET static void lanes_stretch(const crn_model *model, crn_state *st
                              &tangent, &state->words.fault_bits);
         const int32_t tension =
             crn_limit64((int64_t)state->line.nodes[i].axial_stiffness_N_q17 * here->strain_q30, 25,
-                        TENSION_MAX_N_Q22 >> 7, CRN_FAULT_SATURATED, &state->words.fault_bits);
+                        CRN_TENSION_MAX_N_Q22 >> 7, CRN_FAULT_SATURATED, &state->words.fault_bits);
         here->geometric = geometric_stiffness(tension, inverse, model->stiffness_exponent);
         const crn_lanes pull = crn_lanes_scale_q30(crn_lanes_all(tension), tangent);
         crn_lanes_write3(here->force_N_q22.v, crn_lanes_sat32(force + pull));

@@ -296,7 +296,7 @@ static void build_surface(walk *w, uint32_t i, cell c)
         node->outer_share_q15 = (uint16_t)(share >> 15);
         first = false;
     }
-    node->mass_kg_q40 = crn_sat32(crn_rshift_round64(mass_kg_per_m_q34 * (c.end - c.begin), 24));
+    crn_set_mass(w->model, node, mass_kg_per_m_q34, c.end - c.begin);
 }
 
 /* Sets the axial stiffness EA of edge i to the largest value that the number format permits beside the softer
@@ -383,7 +383,7 @@ static void build_plain(walk *w, uint32_t i, cell c)
     node->radius_m_q30 = crn_span_value(s, CRN_RADIUS_M_Q30, outer_fraction);
     node->kinetic_q30 = crn_span_value(s, CRN_KINETIC_Q30, outer_fraction);
     node->static_q30 = crn_span_value(s, CRN_STATIC_Q30, outer_fraction);
-    node->mass_kg_q40 = crn_sat32(crn_rshift_round64(mass_kg_per_m_q34 * (c.end - c.begin), 24));
+    crn_set_mass(w->model, node, mass_kg_per_m_q34, c.end - c.begin);
 }
 
 /* --- the whole line ------------------------------------------------------------------------------------- */

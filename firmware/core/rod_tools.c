@@ -2,11 +2,15 @@
  * (docs/rod.md, "tools").
  *
  * The tools share one centreline, so the code does not compute a contact between the inner tool and the outer
- * tool's bore. A tool presses on the tool around it with the force that its bending puts on the nodes that
- * the two tools share. Friction between the two tools, at most the coefficient mu times the normal force N,
- * then resists sliding and turning, in both directions. For each pair of tools, one friction displacement
- * along the centreline represents sliding, and one friction displacement per edge represents turning
- * (rod_twist.c).
+ * tool's bore. A tool presses on the tool around it with the force that its bending and its axial force put
+ * on the nodes that the two tools share. Friction between the two tools, at most the coefficient mu times the
+ * normal force N, then resists sliding and turning, in both directions. For each pair of tools, one friction
+ * displacement along the centreline represents sliding, and one friction displacement per edge represents
+ * turning (rod_twist.c).
+ *
+ * The axial force of the inner tools is that of the whole line where they come out of the outer tool's tip.
+ * From there towards the hand, friction changes it node by node, so it grows as e^(mu angle) in a bend (the
+ * capstan of Euler and Eytelwein).
  *
  * If a tool does not lead, the force on the hand that holds it is the change of the elastic energy of all
  * tools as this tool slides along a centreline of fixed shape. Where the tool's properties change, the force
@@ -48,11 +52,9 @@ static inline int32_t limited_shift(int64_t a, unsigned n, unsigned log2_most)
     return high < 0 ? -((int32_t)1 << log2_most) : (int32_t)1 << log2_most;
 }
 
-/* Returns the length of a vector with a relative error of 2^-16. Format: same in and out. Overflow is
- * impossible for vector components within 2^30. */
-static int32_t length_of(const crn_vec3 *a)
+/* Returns the root of a number below 2^62 with a relative error of 2^-16. */
+static int32_t root_of(uint64_t square)
 {
-    uint64_t square = (uint64_t)crn_vec3_dot64(*a, *a);
     if (square == 0) {
         return 0;
     }
@@ -61,6 +63,13 @@ static int32_t length_of(const crn_vec3 *a)
     /* sqrt(top 2^(32 - lead)) = top / sqrt(top) 2^(16 - lead / 2), 1 / sqrt(top) = root 2^-46 */
     uint64_t root = (uint64_t)crn_rsqrt_q30((uint32_t)top);
     return (int32_t)((top * root) >> (30 + (lead >> 1)));
+}
+
+/* Returns the length of a vector. Format: same in and out. Overflow is impossible for vector components
+ * within 2^30. */
+static int32_t length_of(const crn_vec3 *a)
+{
+    return root_of((uint64_t)crn_vec3_dot64(*a, *a));
 }
 
 /* Computes the bending moments W b of all joints at the predicted configuration, as if all tools were
@@ -115,38 +124,81 @@ static inline void inner_moment(const crn_state *state, uint32_t pair, uint32_t 
     }
 }
 
-/* Returns the first edge from the tip at which the two tools of a pair are present. */
-static uint32_t first_shared(const crn_model *model, const crn_state *state, uint32_t pair)
+/* Returns the edge that contains a tip, or free_count when the tip is still in the introducer sheath. */
+static uint32_t edge_of_tip(const crn_model *model, const crn_state *state, int32_t offset_m_q30)
 {
-    int32_t a = state->line.offset_m_q30[pair];
-    int32_t b = state->line.offset_m_q30[crn_tool_around(model, &state->words, pair)];
-    int32_t later = a > b ? a : b;
     uint32_t j = 0;
-    while (j < state->words.free_count && model->mesh[j + 1].arc_m_q30 <= later) {
+    while (j < state->words.free_count && model->mesh[j + 1].arc_m_q30 <= offset_m_q30) {
         j++;
     }
     return j;
 }
 
-/* Returns the force in Q22 N that the bending of the inner tools puts on a node, from the moments of the
- * joints around the node. Overflow is impossible: differences of moments fit 32 bits, and 1 / edge length is
- * below 2^31. */
-static inline int32_t pressing_force(const crn_vec3 *before, const crn_vec3 *here, const crn_vec3 *after,
-                                     int32_t a_per_m_q18, int32_t c_per_m_q18)
+/* Returns the axial force of all tools together in an edge, + in tension, Q22 N. */
+static int32_t line_axial(const crn_state *state, uint32_t edge)
+{
+    const int64_t axial =
+        ((int64_t)state->line.nodes[edge].axial_stiffness_N_q17 * state->scratch.nodes[edge].strain_q30) >>
+        25;
+    return limited(axial, CRN_TENSION_MAX_N_Q22);
+}
+
+/* Follows the axial force of the tools 0 .. `pair` where they come out of the tip of the tool around them; it
+ * is 0 when none of them does. The force of a stiff edge trembles from tick to tick, so the state keeps it
+ * smoothed over 8 ms, as the forces on the hands are. */
+static void follow_tip_axial(const crn_state *state, uint32_t pair, uint32_t around, uint32_t tip_edge,
+                             crn_tool_state *tool)
+{
+    enum { FOLLOW = 8 };
+    bool comes_out = false;
+    for (uint32_t k = 0; k <= pair; k++) {
+        comes_out |= state->line.offset_m_q30[k] < state->line.offset_m_q30[around];
+    }
+    const bool is_free = tip_edge < state->words.free_count;
+    const int32_t now = comes_out && is_free ? line_axial(state, tip_edge) : 0;
+    tool->tip_axial_N_q22 += (now - tool->tip_axial_N_q22) / FOLLOW;
+}
+
+/* Moments of the inner tools at a node's joint and at the two joints around it. */
+typedef struct moments {
+    crn_vec3 before, here, after;
+} moments;
+
+/* Returns the force in Q22 N that the inner tools put on a node across the line. Their bending gives it from
+ * the moments of the joints around the node, and their axial force pulls or pushes along the node's two
+ * edges. Overflow is impossible: differences of moments fit 31 bits and 1 / edge length is below 2^31, so
+ * the first two products are below 2^62 together, and the third one is below 2^58. */
+static inline int32_t pressing_force(const moments *m, int32_t a_per_m_q18, int32_t c_per_m_q18,
+                                     int32_t axial_N_q22, const crn_vec3 *ahead_q30,
+                                     const crn_vec3 *behind_q30)
 {
     crn_vec3 force;
     for (int k = 0; k < 3; k++) {
-        int64_t sum = crn_product(here->v[k] - before->v[k], a_per_m_q18);
-        sum = crn_product_add(sum, here->v[k] - after->v[k], c_per_m_q18);
+        int64_t sum = crn_product(m->here.v[k] - m->before.v[k], a_per_m_q18);
+        sum = crn_product_add(sum, m->here.v[k] - m->after.v[k], c_per_m_q18);
+        const int32_t bend_q29 = crn_asr32(behind_q30->v[k], 1) - crn_asr32(ahead_q30->v[k], 1);
+        sum += crn_asr64(crn_product(axial_N_q22, bend_q29), 3); /* Q51 -> Q48 */
         force.v[k] = limited_shift(sum, 26, 30);
     }
     return length_of(&force);
 }
 
-/* The length over which a tool presses on the tool around it depends on clearance and stiffness. For a wire
- * in a catheter the bearing length is about 3 mm (sqrt(2 EI delta / M) with a clearance delta of 0.05 mm,
- * docs/rod.md). If the pressing force were not spread over the bearing length, a finer mesh would give a
- * larger force where the moment has a step. */
+/* Returns the length over which a tool bears on the tool around it where its moment has a step. A tool that
+ * leaves one wall of the lumen in a bend of the radius R reaches the other wall, at the clearance delta,
+ * after sqrt(2 R delta). If the pressing force were not spread over this length, a finer mesh would give a
+ * larger force where the moment has a step (docs/rod.md, "Between tools"). Format: Q30 m. Overflow is
+ * impossible: the clearance is at most 2 mm = 2^21, the radius below 2^26. */
+static int32_t bearing_length(const crn_tool *inner, const crn_tool *around)
+{
+    const int32_t gap_m_q30 = around->bore_m_q30 - inner->shaft_radius_m_q30;
+    if (gap_m_q30 <= 0) {
+        return CRN_BEARING_MIN_M_Q30;
+    }
+    const int64_t square = 2 * crn_product(CRN_BEARING_BEND_M_Q30, gap_m_q30);
+    const int32_t length_m_q30 = root_of((uint64_t)square);
+    return length_m_q30 > CRN_BEARING_MIN_M_Q30 ? length_m_q30 : CRN_BEARING_MIN_M_Q30;
+}
+
 static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *ahead)
 {
     for (int c = 0; c < 3; c++) {
@@ -171,44 +223,78 @@ static inline uint16_t grip_stiffness(const crn_node_state *node, uint32_t pair,
     return (uint16_t)crn_quotient(limit_N_m_q30, reach, 26);
 }
 
+/* Returns how quickly a moment passes to the next tool along an edge: length / (length + bearing length). */
+static inline int32_t bearing_share(int32_t length_m_q30, int32_t bearing_m_q30)
+{
+    return crn_quotient(length_m_q30, length_m_q30 + bearing_m_q30, 30);
+}
+
 /* Computes, for every edge of a pair of tools, the limit mu N r of the friction torque (friction coefficient,
  * normal force, lever arm) and the friction's stiffness against turning. The function also sums the friction
- * limits mu N of all edges; this sum limits sliding. */
-static void grip_pair(const crn_model *model, crn_state *state, uint32_t pair)
+ * limits mu N of all edges; this sum limits sliding. The axial force at a node is that of the edge ahead,
+ * changed by half of the friction of the node ahead. */
+static void grip_edges(const crn_model *model, crn_state *state, uint32_t pair, uint32_t first)
 {
-    uint32_t na = state->words.free_count;
-    uint32_t first = first_shared(model, state, pair);
+    const uint32_t na = state->words.free_count;
     const uint32_t around = crn_tool_around(model, &state->words, pair);
-    int32_t friction_q30 = model->tools[around].lumen_friction_q30;
-    int32_t radius_m_q39 = model->tools[pair].shaft_radius_m_q30 << 9; /* at most 2 mm */
+    const int32_t friction_q30 = model->tools[around].lumen_friction_q30;
+    const int32_t radius_m_q39 = model->tools[pair].shaft_radius_m_q30 << 9; /* at most 2 mm */
+    const int32_t bearing_m_q30 = bearing_length(&model->tools[pair], &model->tools[around]);
+    const int32_t slide_q30 = state->words.tools[pair].slide_share_q30;
+    int32_t axial_N_q22 = state->words.tools[pair].tip_axial_N_q22, half_N_q22 = 0;
+    int32_t length_m_q30 = 0, share_q30 = 0;
     int64_t sum_N_q22 = 0;
-    crn_vec3 before = {{0, 0, 0}}, here = {{0, 0, 0}}, after;
-    for (uint32_t j = 0; j < first; j++) {
-        state->scratch.nodes[j].u.a.press_N_m_q30[pair] = 0;
-        state->scratch.nodes[j].u.a.grip_N_m_q26[pair] = 0;
-    }
+    moments m = {{{0, 0, 0}}, {{0, 0, 0}}, {{0, 0, 0}}};
     if (first > 1) {
-        inner_moment(state, pair, first - 1, &before);
+        inner_moment(state, pair, first - 1, &m.before);
     }
     if (first > 0 && first <= na) {
-        inner_moment(state, pair, first, &here);
+        inner_moment(state, pair, first, &m.here);
     }
     for (uint32_t j = first; j < na; j++) {
         const crn_mesh_node *mesh = &model->mesh[j];
         crn_assembly *work = &state->scratch.nodes[j].u.a;
-        inner_moment(state, pair, j + 1, &after);
-        soften(mesh->bearing_share_q30, &after, &here);
-        int32_t force = pressing_force(&before, &here, &after, mesh[j > 0 ? -1 : 0].inverse_length_per_m_q18,
-                                       mesh->inverse_length_per_m_q18);
+        const crn_node_state *node = &state->words.nodes[j];
+        if (mesh->length_m_q30 != length_m_q30) {
+            length_m_q30 = mesh->length_m_q30;
+            share_q30 = bearing_share(length_m_q30, bearing_m_q30);
+        }
+        inner_moment(state, pair, j + 1, &m.after);
+        soften(share_q30, &m.after, &m.here);
+        /* The node ahead of the outer tool's tip lies outside of its lumen. */
+        const uint32_t ahead = j > first ? j - 1 : j;
+        const int32_t middle_N_q22 = crn_sub_sat(axial_N_q22, half_N_q22);
+        int32_t force = pressing_force(&m, model->mesh[j > 0 ? j - 1 : 0].inverse_length_per_m_q18,
+                                       mesh->inverse_length_per_m_q18, middle_N_q22,
+                                       &state->words.nodes[ahead].tangent_q30, &node->tangent_q30);
         int32_t limit = crn_scale_q30(force, friction_q30);
         int32_t press = crn_mulh(limit, radius_m_q39) * 2; /* Q22 N x Q39 m -> Q30 N m */
+        const int32_t drag_N_q22 = crn_mul_q30(limit, slide_q30);
+        axial_N_q22 =
+            crn_clamp(crn_sub_sat(axial_N_q22, drag_N_q22), -CRN_TENSION_MAX_N_Q22, CRN_TENSION_MAX_N_Q22);
+        half_N_q22 = drag_N_q22 / 2;
         sum_N_q22 += limit;
         work->press_N_m_q30[pair] = press;
-        work->grip_N_m_q26[pair] = grip_stiffness(&state->words.nodes[j], pair, around, press);
-        before = here;
-        here = after;
+        work->grip_N_m_q26[pair] = grip_stiffness(node, pair, around, press);
+        m.before = m.here;
+        m.here = m.after;
     }
     state->scratch.grip_limit_N_q22[pair] = crn_sat32(sum_N_q22);
+}
+
+static void grip_pair(const crn_model *model, crn_state *state, uint32_t pair)
+{
+    const uint32_t around = crn_tool_around(model, &state->words, pair);
+    const int32_t own_m_q30 = state->line.offset_m_q30[pair];
+    const int32_t outer_m_q30 = state->line.offset_m_q30[around];
+    const uint32_t tip_edge = edge_of_tip(model, state, outer_m_q30);
+    const uint32_t first = own_m_q30 > outer_m_q30 ? edge_of_tip(model, state, own_m_q30) : tip_edge;
+    follow_tip_axial(state, pair, around, tip_edge, &state->words.tools[pair]);
+    for (uint32_t j = 0; j < first; j++) {
+        state->scratch.nodes[j].u.a.press_N_m_q30[pair] = 0;
+        state->scratch.nodes[j].u.a.grip_N_m_q26[pair] = 0;
+    }
+    grip_edges(model, state, pair, first);
 }
 
 void crn_tools_grip(const crn_model *model, crn_state *state)
@@ -476,6 +562,20 @@ void crn_tools_turned(const crn_model *model, crn_state *state)
     }
 }
 
+/* Follows the part of the largest friction that the elastic slide has. The largest friction depends on this
+ * part: the more friction holds the inner tool, the harder it pulls towards the hand, and presses. In a bend
+ * of mu times angle = a, it grows faster than the part, by a e^a / (e^a - 1), so a part that took its new
+ * value at once would swing from tick to tick for a > 1. Taken over by an eighth, it is steady for a < 15. */
+static void follow_share(crn_tool_state *inner, int32_t most_m_q33)
+{
+    enum { FOLLOW = 8 };
+    const int32_t part_q30 = most_m_q33 > 0 ? crn_quotient(inner->slide_grip_m_q33, most_m_q33, 30) : 0;
+    const int32_t share_q30 = crn_clamp(part_q30, -CRN_ONE_Q30, CRN_ONE_Q30);
+    /* halves, because the difference may be 2 */
+    const int32_t way_q29 = crn_asr32(share_q30, 1) - crn_asr32(inner->slide_share_q30, 1);
+    inner->slide_share_q30 += way_q29 / (FOLLOW / 2);
+}
+
 /* Computes the friction of sliding between neighbouring tools. A friction displacement between two tools puts
  * equal and opposite forces along the centreline on the two hands that hold these tools. */
 void crn_tools_slide(const crn_model *model, crn_state *state)
@@ -488,7 +588,9 @@ void crn_tools_slide(const crn_model *model, crn_state *state)
         int64_t most = limit_N_q22 + ((limit_N_q22 * 25166) >> 20);
         int64_t slid = (int64_t)inner->slide_grip_m_q33 + state->scratch.slide_m_q33[pair] -
                        state->scratch.slide_m_q33[around];
-        inner->slide_grip_m_q33 = limited(slid, most < INT32_MAX ? most : INT32_MAX);
+        const int32_t most_m_q33 = most < INT32_MAX ? (int32_t)most : INT32_MAX;
+        inner->slide_grip_m_q33 = limited(slid, most_m_q33);
+        follow_share(inner, most_m_q33);
         int32_t drag = (int32_t)(((int64_t)inner->slide_grip_m_q33 * CRN_FRICTION_STIFFNESS_N_m) >> 11);
         int32_t *axial = state->scratch.axial_N_q22;
         axial[pair] = crn_add_sat(axial[pair], drag);

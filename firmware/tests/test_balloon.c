@@ -180,8 +180,8 @@ static void look(const rig *r, uint32_t tools, worst *w)
  * the sheath's axis does not pass through the origin. */
 static crn_entry entry_of_a_patient(void)
 {
-    const crn_entry entry = {{{(int32_t)(-0.08 * Q30), (int32_t)(-0.3 * Q30), (int32_t)(0.04 * Q30)}},
-                             {{0, CRN_ONE_Q30, 0}}};
+    const crn_entry entry = {
+        {{(int32_t)(-0.08 * Q30), (int32_t)(-0.3 * Q30), (int32_t)(0.04 * Q30)}}, {{0, CRN_ONE_Q30, 0}}, 0};
     return entry;
 }
 

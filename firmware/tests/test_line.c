@@ -287,6 +287,73 @@ static void a_mass_beyond_the_nodes_format_is_refused(void **context)
     check_refused(tools, 3, CRN_BUILD_OVERFLOW, 0, 0); /* 3 x 0.1 kg/m x 8 mm = 2.4 g */
 }
 
+/* --- weight and inertia in blood -------------------------------------------------------------------------
+ */
+
+enum { MILLIGRAMS_WIRE = 3900, MILLIGRAMS_CATHETER = 2500 };
+
+/* Weight and inertia of one node of a line in blood, in mg per m; the node lies in the middle of the line. */
+typedef struct node_mass {
+    double weight_mg_m, inertia_mg_m;
+} node_mass;
+
+static node_mass mass_in_blood(const crn_instrument *tools, uint32_t count, uint32_t blood_kg_m3)
+{
+    rig *r = calloc(1, sizeof *r);
+    crn_entry entry = reference_entry();
+    entry.blood_kg_m3 = blood_kg_m3;
+    crn_build_place place;
+    assert_int_equal(crn_model_build(&r->model, tools, count, NULL, &entry, &place), CRN_BUILD_OK);
+    const uint32_t inserted_um[3] = {200000, 199000, 198000};
+    crn_state_init(&r->model, &r->state, inserted_um);
+    const uint32_t node = 50;
+    const double cell_m = (r->model.mesh[node].cell_end_m_q30 - r->model.mesh[node - 1].cell_end_m_q30) / Q30;
+    const crn_line_node *here = &r->state.line.nodes[node];
+    const node_mass mass = {1e6 * here->weight_kg_q40 / 1099511627776.0 / cell_m,
+                            1e6 * here->mass_kg_q40 / 1099511627776.0 / cell_m};
+    free(r);
+    return mass;
+}
+
+/* A tool weighs m - rho pi (ro^2 - ri^2) per length in blood, and a wire in a catheter's lumen loses its own
+ * displacement. Moved across, the line carries along the blood in the catheter around the wire, and as much
+ * as the catheter's outside displaces. In air, weight and inertia are the mass. The tolerance of 0.5 mg/m
+ * stands for the rounding of a node's mass, 0.2 mg/m. */
+static void tools_in_blood_lose_weight_and_gain_inertia(void **context)
+{
+    (void)context;
+    crn_instrument tools[2] = {make_tool(1e-3, 600000, 2000, 445, 0),
+                               make_tool(1e-3, 600000, 2000, 835, 485)};
+    for (uint32_t i = 0; i < tools[0].knot_count; i++) {
+        tools[0].knots[i].mass_mg_per_m = MILLIGRAMS_WIRE;
+        tools[1].knots[i].mass_mg_per_m = MILLIGRAMS_CATHETER;
+    }
+    const double rho = 1060e6 * M_PI, wire = rho * 445e-6 * 445e-6, bore = rho * 485e-6 * 485e-6,
+                 outside = rho * 835e-6 * 835e-6;
+    const node_mass alone = mass_in_blood(tools, 1, CRN_BLOOD_kg_m3);
+    assert_true(fabs(alone.weight_mg_m - (MILLIGRAMS_WIRE - wire)) < 0.5);
+    assert_true(fabs(alone.inertia_mg_m - (MILLIGRAMS_WIRE + wire)) < 0.5);
+    const node_mass both = mass_in_blood(tools, 2, CRN_BLOOD_kg_m3);
+    const double sum = MILLIGRAMS_WIRE + MILLIGRAMS_CATHETER;
+    assert_true(fabs(both.weight_mg_m - (sum - wire - (outside - bore))) < 0.5);
+    assert_true(fabs(both.inertia_mg_m - (sum + (bore - wire) + outside)) < 0.5);
+    const node_mass air = mass_in_blood(tools, 2, 0);
+    assert_true(fabs(air.weight_mg_m - sum) < 0.5 && air.inertia_mg_m == air.weight_mg_m);
+}
+
+/* A wide, light tool floats: 0.5 g/m with a radius of 2 mm displaces 13.3 g/m. Its inertia stays that of a
+ * tool in blood. */
+static void a_light_tool_floats(void **context)
+{
+    (void)context;
+    crn_instrument tool = make_tool(1e-3, 600000, 2000, 2000, 0);
+    for (uint32_t i = 0; i < tool.knot_count; i++) tool.knots[i].mass_mg_per_m = 500;
+    const double blood = 1060e6 * M_PI * 4e-6;
+    const node_mass mass = mass_in_blood(&tool, 1, CRN_BLOOD_kg_m3);
+    assert_true(fabs(mass.weight_mg_m - (500 - blood)) < 1.5);
+    assert_true(fabs(mass.inertia_mg_m - (500 + blood)) < 1.5);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -298,6 +365,8 @@ int main(void)
         cmocka_unit_test(a_twist_beyond_the_joints_format_is_refused),
         cmocka_unit_test(a_tip_too_soft_beside_its_shaft_is_refused),
         cmocka_unit_test(a_mass_beyond_the_nodes_format_is_refused),
+        cmocka_unit_test(tools_in_blood_lose_weight_and_gain_inertia),
+        cmocka_unit_test(a_light_tool_floats),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

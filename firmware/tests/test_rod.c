@@ -449,6 +449,10 @@ static void bad_instruments_are_refused_with_their_knot(void **context)
     assert_int_equal(build(&bad, &entry, &place), CRN_BUILD_ELEMENTS);
     bad = reference_wire(3e-2, 60000, 200, 0);
     assert_int_equal(build(&bad, &entry, &place), CRN_BUILD_OVERFLOW);
+    entry.blood_kg_m3 = 2001;
+    assert_int_equal(build(&good, &entry, &place), CRN_BUILD_ENTRY);
+    entry.blood_kg_m3 = 2000;
+    assert_int_equal(build(&good, &entry, &place), CRN_BUILD_OK);
     entry.direction_q30.v[0] = CRN_ONE_Q30 / 2;
     assert_int_equal(build(&good, &entry, &place), CRN_BUILD_ENTRY);
 }

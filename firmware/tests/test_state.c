@@ -236,6 +236,30 @@ static void a_start_beyond_the_border_of_space_is_cut_off_there(void **context)
     free(r);
 }
 
+/* The friction of sliding is at most its limit, and no edge bears more than 240 N; a state that says
+ * otherwise is refused. */
+static void a_slide_beyond_its_friction_is_refused(void **context)
+{
+    (void)context;
+    rig *r = rig_make();
+    const size_t share = (offsetof(crn_state_words, tools) + offsetof(crn_tool_state, slide_share_q30)) / 4;
+    const size_t axial = (offsetof(crn_state_words, tools) + offsetof(crn_tool_state, tip_axial_N_q22)) / 4;
+    const struct {
+        size_t at;
+        int32_t most;
+    } trials[] = {{share, CRN_ONE_Q30}, {axial, CRN_TENSION_MAX_N_Q22}};
+    for (size_t i = 0; i < sizeof trials / sizeof *trials; i++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            memcpy(r->bytes, r->good, sizeof r->bytes);
+            set_word(r, trials[i].at, (uint32_t)(sign * trials[i].most));
+            assert_true(check_altered(r));
+            set_word(r, trials[i].at, (uint32_t)(sign * (trials[i].most + 1)));
+            assert_false(check_altered(r));
+        }
+    }
+    rig_free(r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -244,6 +268,7 @@ int main(void)
         cmocka_unit_test(a_saved_state_with_a_pressed_edge_is_restored),
         cmocka_unit_test(a_tangent_that_no_tick_makes_is_refused),
         cmocka_unit_test(a_start_beyond_the_border_of_space_is_cut_off_there),
+        cmocka_unit_test(a_slide_beyond_its_friction_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -88,9 +88,12 @@ def from_bench(options, wanted):
     return values
 
 
+LARGEST_ERRORS = {"nested_capstan": "tools.capstan_error_pct", "weight_in_blood": "rod.sag_error_pct"}
+
+
 def validation_values(text):
     """Returns how many values of the validation suite exceed their tolerance, and for each case the largest ratio of an
-    error to its tolerance."""
+    error to its tolerance. Two cases have their largest error under a name of its own."""
     values = collections.defaultdict(float)
     beyond = 0
     for line in text.splitlines()[1:]:
@@ -100,8 +103,11 @@ def validation_values(text):
             continue  # a figure that is reported but not judged
         error, tolerance = abs(float(fields[6])), float(fields[7])
         share = error / tolerance if tolerance > 0 else float(error > 0)
-        name = "validation.%s.worst_of_tolerance" % fields[0].split(".")[0]
+        case = fields[0].split(".")[0]
+        name = "validation.%s.worst_of_tolerance" % case
         values[name] = max(values[name], share)
+        if case in LARGEST_ERRORS:
+            values[LARGEST_ERRORS[case]] = max(values[LARGEST_ERRORS[case]], error)
     values["validation.figures_beyond_their_tolerance"] = beyond
     return values
 

@@ -315,7 +315,7 @@ void reference_tube_free(reference_tube *tube)
 
 crn_entry reference_entry(void)
 {
-    crn_entry entry = {{{0, 0, 0}}, {{CRN_ONE_Q30, 0, 0}}};
+    crn_entry entry = {{{0, 0, 0}}, {{CRN_ONE_Q30, 0, 0}}, 0};
     return entry;
 }
 

@@ -90,7 +90,7 @@ class FreeLine
     {
         std::vector<crn_instrument> core;
         for (const Instrument *tool : tools) core.push_back(core_instrument(*tool));
-        const crn_entry entry = {{{0, 0, 0}}, {{CRN_ONE_Q30, 0, 0}}};
+        const crn_entry entry = {{{0, 0, 0}}, {{CRN_ONE_Q30, 0, 0}}, 0};
         crn_build_place place{};
         status_ = crn_model_build(model(), core.data(), static_cast<std::uint32_t>(core.size()), nullptr,
                                   &entry, &place);

@@ -26,5 +26,6 @@ std::vector<Case> wall_cases();
 std::vector<Case> push_cases();
 std::vector<Case> turn_cases();
 std::vector<Case> coaxial_cases();
+std::vector<Case> nested_cases();
 
 } // namespace crn::validate

@@ -86,7 +86,7 @@ Rig::Rig(const std::vector<Tool> &tools, const LumenField *field, const Start &s
         instruments.push_back(instrument_of(tools[k]));
         inserted_um[k] = micro(start.inserted_m.at(k));
     }
-    crn_entry entry{fixed(start.mouth_m, Q30), fixed(start.direction, Q30)};
+    crn_entry entry{fixed(start.mouth_m, Q30), fixed(start.direction, Q30), start.blood_kg_m3};
     crn_build_place place{};
     crn_build_status status =
         crn_model_build(&core_->model, instruments.data(), std::uint32_t(instruments.size()),

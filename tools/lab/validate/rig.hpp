@@ -55,6 +55,7 @@ struct Start {
     std::vector<double> inserted_m; // per tool
     Vector3d mouth_m = Vector3d::Zero();
     Vector3d direction = Vector3d::UnitX();
+    unsigned blood_kg_m3 = 0; // around the tools and in their lumens
 };
 
 class Rig
