@@ -319,7 +319,9 @@ bool core_scene_start(uint32_t scene, crn_model *model, crn_state *state)
 {
     const uint32_t inserted_um[CORE_SCENE_COUNT][CRN_TOOL_MAX] = {
         {40000}, {60000}, {200000}, {60000, 30000, 10000}, {40000}, {90000, 60000}, {40000}};
-    const crn_entry entry = {.position_m_q30 = {{0, 8 << 20, 0}}, .direction_q30 = {{0, CRN_ONE_Q30, 0}}};
+    const crn_entry entry = {.position_m_q30 = {{0, 8 << 20, 0}},
+                             .direction_q30 = {{0, CRN_ONE_Q30, 0}},
+                             .blood_kg_m3 = CRN_BLOOD_kg_m3};
     const crn_instrument tools[CRN_TOOL_MAX] = {
         scene == FINE ? make_stiff_wire()
                       : make_j_wire(scene == TUBE || scene == BEATING || scene == STENTED ? 500000 : 20000),
