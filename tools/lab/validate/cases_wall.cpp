@@ -169,8 +169,8 @@ void sliding(Result &result, bool quick)
                    "the floor too; pushed and "
                    "pulled at 2 mm/s. Half the difference of the hand's force, mean over 1 mm, less the drag "
                    "of blood (20/s m v), against the wall's normal forces and "
-                   "against the weight.";
-    result.formula = "F = mu N";
+                   "against the weight. The static coefficient is twice the kinetic one.";
+    result.formula = "F = kinetic mu N";
     result.source = "Coulomb";
     for (double mu : {0.1, 0.3, 0.5}) {
         if (quick && mu != 0.3) continue;
@@ -179,6 +179,7 @@ void sliding(Result &result, bool quick)
         path.straight(0.4);
         LumenField field = tube_field(path, tube_m, 0);
         Knot knot{.bend_N_m2 = 1e-4, .twist_N_m2 = 1e-4 / 1.3, .mass_kg_per_m = 0.02, .friction = mu};
+        knot.friction_static = std::min(1.0, 2 * mu);
         Rig rig({uniform_tool(knot, 0.45, 0.003)}, &field,
                 {.inserted_m = {0.3}, .mouth_m = {0, 0, -(tube_m - wire_radius_m - 2e-6)}});
         rig.set_gravity({0, 0, -gravity_m_s2});

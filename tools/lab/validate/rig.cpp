@@ -47,8 +47,9 @@ crn_instrument instrument_of(const Tool &tool)
         to.mass_mg_per_m = micro(from.mass_kg_per_m);
         to.radius_outer_um = micro(from.radius_m);
         to.radius_inner_um = micro(from.radius_inner_m);
-        to.friction_kinetic_milli = to.friction_static_milli =
-            std::uint32_t(std::lround(from.friction * 1e3));
+        const double held = from.friction_static < 0 ? from.friction : from.friction_static;
+        to.friction_kinetic_milli = std::uint32_t(std::lround(from.friction * 1e3));
+        to.friction_static_milli = std::uint32_t(std::lround(held * 1e3));
         to.rest_curvature1_per_m_milli = std::int32_t(std::lround(from.rest_curvature_per_m * 1e3));
     }
     instrument.lumen_friction_milli = std::uint32_t(std::lround(tool.lumen_friction * 1e3));

@@ -27,7 +27,8 @@ struct Knot {
     double mass_kg_per_m = 0.005;
     double radius_m = 445e-6;
     double radius_inner_m = 0;
-    double friction = 0; // static and kinetic
+    double friction = 0;         // kinetic, and static unless stated below
+    double friction_static = -1; // below 0: as the kinetic one
     double rest_curvature_per_m = 0;
 };
 
