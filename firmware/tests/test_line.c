@@ -328,7 +328,7 @@ static void tools_in_blood_lose_weight_and_gain_inertia(void **context)
         tools[0].knots[i].mass_mg_per_m = MILLIGRAMS_WIRE;
         tools[1].knots[i].mass_mg_per_m = MILLIGRAMS_CATHETER;
     }
-    const double rho = 1060e6 * M_PI, wire = rho * 445e-6 * 445e-6, bore = rho * 485e-6 * 485e-6,
+    const double rho = 1060e6 * acos(-1.0), wire = rho * 445e-6 * 445e-6, bore = rho * 485e-6 * 485e-6,
                  outside = rho * 835e-6 * 835e-6;
     const node_mass alone = mass_in_blood(tools, 1, CRN_BLOOD_kg_m3);
     assert_true(fabs(alone.weight_mg_m - (MILLIGRAMS_WIRE - wire)) < 0.5);
@@ -348,7 +348,7 @@ static void a_light_tool_floats(void **context)
     (void)context;
     crn_instrument tool = make_tool(1e-3, 600000, 2000, 2000, 0);
     for (uint32_t i = 0; i < tool.knot_count; i++) tool.knots[i].mass_mg_per_m = 500;
-    const double blood = 1060e6 * M_PI * 4e-6;
+    const double blood = 1060e6 * acos(-1.0) * 4e-6;
     const node_mass mass = mass_in_blood(&tool, 1, CRN_BLOOD_kg_m3);
     assert_true(fabs(mass.weight_mg_m - (500 - blood)) < 1.5);
     assert_true(fabs(mass.inertia_mg_m - (500 + blood)) < 1.5);
