@@ -40,5 +40,9 @@ def a_second_port_would_add_one_claim_and_only_just():
     return len(missed) == 8 and len(gained) == 1 and gained[0] > budget_docs.FITS_permille
 
 
-TESTS = (the_pages_say_what_the_budget_says, another_budget_gives_other_pages, a_second_port_would_add_one_claim_and_only_just)
+TESTS = (
+    the_pages_say_what_the_budget_says,
+    another_budget_gives_other_pages,
+    a_second_port_would_add_one_claim_and_only_just,
+)
 tap.run(TESTS)
