@@ -43,6 +43,7 @@ OUTPUT_CASES = {
     "centreline auto": ["./gone.stl", "-o", "fine.csv"],
     "centreline edit": ["./gone.stl", "--project", "fine.toml"],
     "centreline convert": ["./gone.csv", "-o", "fine.csv"],
+    "centreline patient": ["./gone.stl", "-o", "fine"],
     "centreline carry": ["./gone.csv", "frames", "-o", "fine"],
     "centreline show": ["./gone.csv", "--mesh", "./gone.stl", "-o", "fine.png"],
 }
