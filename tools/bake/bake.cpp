@@ -9,6 +9,7 @@
 #include "tools/bake/form.hpp"
 #include "tools/bake/lesion.hpp"
 #include "tools/bake/small_vessels.hpp"
+#include "tools/bake/solid.hpp"
 
 #include <cmath>
 #include <optional>
@@ -238,11 +239,25 @@ void check_files(const SceneText &text, const Options &options)
 
 } // namespace
 
+Mesh solid_lumen(const LumenText &text, std::string &report)
+{
+    Mesh mesh = load_mesh(text.mesh);
+    cap_openings(mesh, text.mesh.cap);
+    report += notes_of(mesh);
+    Mesh solid = offset_surface(mesh, text.solid_mm, 0);
+    // A part that is open only has a thin shell in the level set, and a vessel thinner than a voxel has
+    // nothing.
+    const double before_mm3 = std::abs(volume_mm3(mesh)), after_mm3 = volume_mm3(solid);
+    report += formatted_line("solid             the lumen: %.1f -> %.1f ml in voxels of %.2f mm",
+                             before_mm3 / 1000, after_mm3 / 1000, text.solid_mm);
+    return solid;
+}
+
 Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progress)
 {
     Mesh mesh;
     if (text.lumen.centrelines.empty()) {
-        mesh = load_mesh(text.lumen.mesh);
+        mesh = text.lumen.solid_mm > 0 ? solid_lumen(text.lumen, report) : load_mesh(text.lumen.mesh);
     } else {
         std::vector<Curve> lines;
         for (const std::filesystem::path &file : text.lumen.centrelines)

@@ -21,6 +21,10 @@ struct Options {
 // function adds a line to `report`.
 Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progress);
 
+// Reads the mesh of a lumen with the key solid_mm, and makes one closed surface of its parts, which may
+// overlap. Adds what was capped, and the volumes, to `report`.
+Mesh solid_lumen(const LumenText &text, std::string &report);
+
 // Bakes the scene, writes its files and returns the report (docs/scene.md). Throws Fault if the scene cannot
 // be baked. Throws UsageError, before any file is changed, if an output file would overwrite an input file.
 std::string bake(const Options &options, Progress &progress);

@@ -174,8 +174,8 @@ bool is_last(const Table &t, const char *key, const char *standard)
 
 LumenText lumen_of(const Table &t)
 {
-    t.check_keys({"mesh", "unit", "centrelines", "parts", "surface_mm", "axes", "scale", "rotate_deg",
-                  "offset_mm", "cap", "tolerance_mm", "level_max", "inside_mm", "outside_mm"});
+    t.check_keys({"mesh", "unit", "centrelines", "parts", "surface_mm", "solid_mm", "axes", "scale",
+                  "rotate_deg", "offset_mm", "cap", "tolerance_mm", "level_max", "inside_mm", "outside_mm"});
     LumenText lumen;
     if (t.has("mesh") == t.has("centrelines")) t.fail("needs either mesh or centrelines");
     lumen.surface_mm = t.number("surface_mm", {0.1, 2}, lumen.surface_mm);
@@ -185,8 +185,11 @@ LumenText lumen_of(const Table &t)
     lumen.outside_mm = t.number("outside_mm", {1, 3.5}, lumen.outside_mm);
     if (t.has("mesh")) {
         lumen.mesh = mesh_of(t);
+        lumen.solid_mm = t.number("solid_mm", {0.1, 2}, 0);
         return lumen;
     }
+    if (t.has("solid_mm"))
+        t["solid_mm"].fail_key("belongs to a mesh: the voxel of a lumen made of centrelines is surface_mm");
     if (t.has("unit")) t["unit"].fail_key("belongs to a mesh: centreline files state their own");
     lumen.mesh.placement = placement_of(t);
     lumen.centrelines = centrelines_of(t);
@@ -254,6 +257,9 @@ MotionText motion_of(const Table &t, const LumenText &lumen)
     motion.spacing_mm = t.number("spacing_mm", {0.98, 15.7}, motion.spacing_mm);
     motion.breath_spacing_mm = t.number("breath_spacing_mm", {0.98, 15.7}, motion.breath_spacing_mm);
     motion.end_systole = t.number("end_systole", {4, 18}, motion.end_systole);
+    if (lumen.solid_mm > 0)
+        frames.fail(
+            "moves the lumen's own triangles, but [lumen] solid_mm makes others: give a mesh of one piece");
     if (lumen.mesh.file.empty())
         frames.fail("moves a lumen that is made of centrelines: give [lumen] a mesh, the first frame");
     return motion;

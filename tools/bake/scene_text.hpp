@@ -48,6 +48,7 @@ struct LumenText {
     MeshText mesh;                                  // when `centrelines` is empty
     std::vector<std::filesystem::path> centrelines; // resolved
     double surface_mm = 0.75;
+    double solid_mm = 0; // mesh only: voxel in which parts that overlap become one lumen; 0: the mesh stays
     double tolerance_mm = 0.12;
     int level_max = 1;
     double inside_mm = 2.5;

@@ -32,8 +32,11 @@ void grow_tree(std::size_t count, std::size_t first, const DepthOf &depth,
 // Makes a vessel tree from the curves of 3D Slicer or VMTK, which store one curve per file or per outlet. A
 // root that begins inside another branch becomes a child of that branch. If a root becomes a child of a
 // branch, the part of the root that runs along the branch's centreline is cut off. The trunk is the curve
-// with the end nearest to `inlet_mm`; without `inlet_mm` it is the widest curve. A single curve is not
-// changed, and neither is a tree whose file states the parent of each branch.
-Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm = nullptr);
+// with the end nearest to `inlet_mm`; without `inlet_mm` it is the widest curve. Parents that a file states
+// stay: such a tree joins another one with the beginning of its root, or is turned so that it begins at
+// `inlet_mm`. Appends to `notes` what was turned, and what stays apart. Throws Fault if no end lies near
+// `inlet_mm`.
+Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm = nullptr,
+            std::vector<std::string> *notes = nullptr);
 
 } // namespace crn::centreline

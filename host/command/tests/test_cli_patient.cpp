@@ -57,9 +57,37 @@ static void a_review_begins_with_the_folders_own_copy_of_the_scan(void **)
                         "/bin/ct patient mine/scan.ct -o mine --window --look");
 }
 
+static void meshes_and_their_choices_go_to_centreline(void **)
+{
+    PatientCommandOptions options;
+    options.folder = "mine";
+    options.meshes = {"a.stl", "b.stl"};
+    options.choices = {{"--entry", {"1", "-2", "3"}},
+                       {"--part", {"x", "y*"}},
+                       {"--no-bodies", {}},
+                       {"--branches", {"numbers"}}};
+    std::string text;
+    for (const std::string &word : patient_words("/bin/centreline", options, false, true)) text += word + " ";
+    assert_string_equal(text.c_str(),
+                        "/bin/centreline patient a.stl b.stl -o mine --entry 1 -2 3 --part x --part y* "
+                        "--no-bodies --branches numbers ");
+}
+
+static void a_label_map_without_a_scan_goes_to_ct_labels(void **)
+{
+    PatientCommandOptions options;
+    options.folder = "mine";
+    options.labels = "map.nii.gz";
+    options.names = "names.csv";
+    assert_string_equal(joined(options, false, true).c_str(),
+                        "/bin/ct labels map.nii.gz --table names.csv -o mine");
+}
+
 int main()
 {
     const CMUnitTest tests[] = {
+        cmocka_unit_test(meshes_and_their_choices_go_to_centreline),
+        cmocka_unit_test(a_label_map_without_a_scan_goes_to_ct_labels),
         cmocka_unit_test(a_new_patient_has_a_window_only_with_a_display),
         cmocka_unit_test(the_label_map_and_all_clicks_are_passed_on),
         cmocka_unit_test(a_review_begins_with_the_folders_own_copy_of_the_scan),

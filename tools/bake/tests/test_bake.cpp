@@ -182,6 +182,47 @@ void same_input_gives_the_same_bytes(void **)
     assert_true(first == read_file(options.output));
 }
 
+// Before, `[lumen]` refused the parts of an atlas, which overlap: their triangles cross.
+void parts_of_a_lumen_that_overlap_become_one(void **)
+{
+    Folder folder;
+    Progress progress;
+    Mesh two = tube(6, 60, 60, 60);
+    Mesh other = tube(4, 60, 60, 60);
+    const auto base = static_cast<std::uint32_t>(two.vertices_mm.size());
+    for (const Eigen::Vector3d &v : other.vertices_mm)
+        two.vertices_mm.push_back(v + Eigen::Vector3d(0, 45.3, 0));
+    for (const Triangle &t : other.triangles)
+        two.triangles.push_back({base + t[0], base + t[1], base + t[2]});
+    write_ply(two, folder.path / "atlas.ply");
+    const auto text = [&](const std::string &more) {
+        return folder.write("scene.toml",
+                            "[scene]\nname = \"atlas\"\n[lumen]\nmesh = \"atlas.ply\"\nunit = \"mm\"\n"
+                            "cap = true\n" +
+                                more + "[entry]\nposition_mm = [0, 20, 0]\ndirection = [0, 1, 0]\n");
+    };
+    std::string report;
+    contains(complaint([&] { lumen_surface(read_scene_text(text(""), {}), report, progress); }), {"cross"});
+    report.clear();
+    const Mesh one = lumen_surface(read_scene_text(text("solid_mm = 0.4\n"), {}), report, progress);
+    const auto tube_mm3 = [](double radius_mm, double length_mm) {
+        return 30 * radius_mm * radius_mm * std::sin(turn / 60) * length_mm;
+    };
+    // The smaller tube begins 15 mm inside the larger one. A grid rounds edges by half a voxel.
+    const double wanted = tube_mm3(6, 60) + tube_mm3(4, 45.3), got = volume_mm3(one);
+    std::printf("# volume of two tubes: %.1f mm3, expected %.1f\n", got, wanted);
+    assert_true(std::abs(got / wanted - 1) < 0.02);
+    contains(report, {"solid             the lumen", "voxels of 0.40 mm", "capped the opening"});
+    contains(complaint([&] {
+                 read_scene_text(folder.write("lines.toml", "[scene]\nname = \"lines\"\n[lumen]\n"
+                                                            "centrelines = [\"atlas.ply\"]\nsolid_mm = 0.5\n"
+                                                            "[entry]\nposition_mm = [0, 20, 0]\n"
+                                                            "direction = [0, 1, 0]\n"),
+                                 {});
+             }),
+             {"solid_mm", "surface_mm"});
+}
+
 void axes_and_offset_move_the_surface(void **)
 {
     const Folder folder;
@@ -345,6 +386,7 @@ int main()
         cmocka_unit_test(contact_agrees_with_libccd),
         cmocka_unit_test(whole_run_writes_files_that_open),
         cmocka_unit_test(same_input_gives_the_same_bytes),
+        cmocka_unit_test(parts_of_a_lumen_that_overlap_become_one),
         cmocka_unit_test(axes_and_offset_move_the_surface),
         cmocka_unit_test(faults_of_the_text_name_line_and_key),
         cmocka_unit_test(entry_must_lie_in_the_lumen_and_look_into_it),

@@ -121,22 +121,50 @@ double width_at(const Voxels &voxels, const std::vector<std::size_t> &way)
     return depth;
 }
 
-long near_point(const Lumen &lumen, const Eigen::Vector3d &p_mm)
+// The number of voxels that are connected with each voxel, itself included. Near a cap or in a thin place,
+// voxels of little depth are connected with none: no path leads away from them.
+std::vector<std::size_t> connected_counts(const Voxels &voxels)
 {
-    const Voxels &voxels = lumen.voxels();
-    for (double reach = voxels.voxel_mm(); reach < 6; reach *= 2) {
-        const long voxel = voxels.nearest(p_mm, reach);
-        if (voxel >= 0) return voxel;
+    std::vector<std::size_t> count(voxels.size(), 0), piece;
+    for (std::size_t seed = 0; seed < voxels.size(); ++seed) {
+        if (count[seed] > 0) continue;
+        piece.assign(1, seed);
+        count[seed] = 1;
+        for (std::size_t i = 0; i < piece.size(); ++i)
+            voxels.each_neighbour(piece[i], [&](std::size_t other, double) {
+                if (count[other] > 0) return;
+                count[other] = 1;
+                piece.push_back(other);
+            });
+        for (std::size_t voxel : piece) count[voxel] = piece.size();
     }
-    return -1;
+    return count;
+}
+
+// Returns the voxel nearest to a point from which paths lead away, or -1.
+long near_point(const Voxels &voxels, const std::vector<std::size_t> &connected, const Eigen::Vector3d &p_mm)
+{
+    constexpr double reach_mm = 6.0, least_share = 1e-3;
+    const auto least =
+        std::max<std::size_t>(2, static_cast<std::size_t>(least_share * static_cast<double>(voxels.size())));
+    long best = -1;
+    double best_mm = reach_mm;
+    for (std::size_t v = 0; v < voxels.size(); ++v) {
+        if (connected[v] < least) continue;
+        const double distance_mm = (voxels.centre_mm(v) - p_mm).norm();
+        if (distance_mm < best_mm) best_mm = distance_mm, best = static_cast<long>(v);
+    }
+    return best;
 }
 
 std::size_t inlet_of(const Lumen &lumen, const AutoWish &wish, std::vector<std::string> &notes,
                      bake::Progress &progress)
 {
     const Voxels &voxels = lumen.voxels();
+    const std::vector<std::size_t> connected = connected_counts(voxels);
+    const auto inside_near = [&](const Eigen::Vector3d &p_mm) { return near_point(voxels, connected, p_mm); };
     if (wish.inlet_mm) {
-        const long voxel = near_point(lumen, *wish.inlet_mm);
+        const long voxel = inside_near(*wish.inlet_mm);
         if (voxel < 0)
             throw Fault("the inlet at " + bake::place_text(*wish.inlet_mm) +
                         " lies outside the vessel: move it inside");
@@ -144,11 +172,11 @@ std::size_t inlet_of(const Lumen &lumen, const AutoWish &wish, std::vector<std::
     }
     const Opening *widest = nullptr;
     for (const Opening &opening : lumen.openings())
-        if ((!widest || opening.radius_mm > widest->radius_mm) && near_point(lumen, opening.centre_mm) >= 0)
+        if ((!widest || opening.radius_mm > widest->radius_mm) && inside_near(opening.centre_mm) >= 0)
             widest = &opening;
     if (widest) {
         notes.push_back("the inlet is the widest opening, at " + bake::place_text(widest->centre_mm));
-        return static_cast<std::size_t>(near_point(lumen, widest->centre_mm));
+        return static_cast<std::size_t>(inside_near(widest->centre_mm));
     }
     // The voxel with the longest path from the deepest voxel is a tip of the tree. From this first tip the
     // code finds all other tips of the tree, and takes the widest tip as the inlet.
@@ -185,6 +213,25 @@ void note_unreached(const Voxels &voxels, const Ways &ways, std::vector<std::str
     notes.push_back(text);
 }
 
+// A tree that ends where it begins is of no use, so it is refused.
+void check_length(const Tree &tree, const Voxels &voxels, const Ways &ways, std::size_t inlet,
+                  const std::vector<std::string> &notes)
+{
+    double all_mm = 0;
+    for (const Branch &branch : tree.branches) all_mm += length_mm(branch);
+    std::size_t reached = 0;
+    for (const std::int32_t from : ways.from) reached += from >= 0;
+    if (all_mm > 0.5 * voxels.depth_mm(voxels.middle_near(inlet)) && all_mm > 2 * voxels.voxel_mm()) return;
+    std::string text;
+    for (const std::string &note : notes) text += "; " + note;
+    throw Fault(
+        formatted("the tree from the inlet at %s is only %.1f mm long, because %.1f %% of the inside is "
+                  "connected with it%s: give --inlet inside the vessel, --part for one vessel of "
+                  "several, or a smaller --voxel-mm for a thin one",
+                  bake::place_text(voxels.centre_mm(inlet)).c_str(), all_mm,
+                  100.0 * static_cast<double>(reached) / static_cast<double>(voxels.size()), text.c_str()));
+}
+
 void name_branches(Tree &tree)
 {
     std::vector<int> children(tree.branches.size() + 1, 0);
@@ -217,6 +264,7 @@ Tree fit_automatic(const Lumen &lumen, const AutoWish &wish, std::vector<std::st
         progress.step(n + 1);
     }
     progress.finish();
+    check_length(tree, voxels, ways, inlet, notes);
     tree = split_at_junctions(tree);
     name_branches(tree);
     check_tree(tree, "the tree");

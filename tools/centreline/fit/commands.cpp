@@ -2,7 +2,7 @@
 // files.
 #include "tools/centreline/fit/commands.hpp"
 #include "host/base/output_files.hpp"
-#include "tools/bake/centreline.hpp"
+#include "tools/bake/bake.hpp"
 #include "tools/centreline/fit/carry.hpp"
 #include "tools/centreline/fit/editor.hpp"
 #include "tools/centreline/fit/tree_picture.hpp"
@@ -38,6 +38,8 @@ bake::Mesh load(const Options &options, const std::string &file, bake::Progress 
 {
     if (std::filesystem::path(file).extension() != ".toml") return bake::load_mesh(mesh_text(options, file));
     const bake::SceneText scene = bake::read_scene_text(file, {options.data, options.shipped});
+    std::string report;
+    if (scene.lumen.solid_mm > 0) return bake::solid_lumen(scene.lumen, report);
     if (scene.lumen.centrelines.empty()) return bake::load_mesh(scene.lumen.mesh);
     std::vector<Branch> lines;
     for (const std::filesystem::path &line : scene.lumen.centrelines)
@@ -144,6 +146,9 @@ int command_auto(const Options &options)
 
 int command_convert(const Options &options)
 {
+    if (options.as_is && !options.inlet_mm.empty())
+        throw UsageError(
+            "convert: --as-is changes no curve, so it takes no --inlet: leave out one of the two");
     std::vector<NamedPath> inputs = {{"--radii-from", options.radii_from}};
     for (const std::string &input : options.inputs) inputs.push_back({"TREE", input});
     check_outputs(inputs, {{"--output", options.output}});
@@ -173,7 +178,9 @@ int command_convert(const Options &options)
     for (Branch &branch : all.branches)
         for (Sphere &sphere : branch.spheres) sphere.radius_mm *= options.radii_times;
     const std::optional<Eigen::Vector3d> inlet_mm = inlet_of(options);
-    if (!options.as_is) all = joined(all, inlet_mm ? &*inlet_mm : nullptr);
+    std::vector<std::string> notes;
+    if (!options.as_is) all = joined(all, inlet_mm ? &*inlet_mm : nullptr, &notes);
+    print_notes(notes);
     if (options.split) all = split_at_junctions(all);
     write_tree(options.output, all);
     print_tree(all, {});

@@ -193,6 +193,31 @@ void short_stubs_are_pruned(void **)
     }
 }
 
+// A ball has no length. Before, such a mesh gave a tree of length 0 and the exit code 0.
+void a_tree_without_length_is_refused(void **)
+{
+    std::vector<Branch> ball(1);
+    ball[0].spheres = {{{0, 0, 0}, 5}, {{0, 0.01, 0}, 5}};
+    const Lumen lumen(bake::surface_of(ball, 0.5, progress), coarse(), progress);
+    says([&] { automatic(lumen); }, {"only 0.", "mm long", "--inlet", "--part"});
+}
+
+// A spike beside a crack has voxels of next to no depth, from which no path leads away.
+void an_inlet_leads_away_even_beside_a_voxel_without_neighbours(void **)
+{
+    bake::Mesh mesh = tube_mesh(3, 60, 0, 60, 24);
+    mesh.triangles.erase(mesh.triangles.begin() + 700);
+    mesh.vertices_mm[24 * 30] *= 1.6;
+    const Lumen lumen(mesh, coarse(), progress);
+    for (const Eigen::Vector3d &inlet : {Eigen::Vector3d(4.6, 30, 0), Eigen::Vector3d(0, -0.5, 0)}) {
+        AutoWish wish;
+        wish.inlet_mm = inlet;
+        double length = 0;
+        for (const Branch &branch : automatic(lumen, wish).branches) length += length_mm(branch);
+        assert_true(length > 25);
+    }
+}
+
 // Makes the mesh of one frame of a heartbeat, in which a forked vessel bends out of its plane, shifts and
 // narrows.
 Eigen::Vector3d beaten(const Eigen::Vector3d &p, int frame)
@@ -285,6 +310,8 @@ int main()
                                 cmocka_unit_test(without_a_bifurcation_point_the_ways_tell_where_they_part),
                                 cmocka_unit_test(points_that_cannot_be_used_are_named),
                                 cmocka_unit_test(short_stubs_are_pruned),
+                                cmocka_unit_test(a_tree_without_length_is_refused),
+                                cmocka_unit_test(an_inlet_leads_away_even_beside_a_voxel_without_neighbours),
                                 cmocka_unit_test(a_beating_fork_keeps_its_spheres_and_their_order),
                                 cmocka_unit_test(frames_of_another_topology_are_refused)};
     cmocka_set_message_output(CM_OUTPUT_TAP);

@@ -47,6 +47,90 @@ void curves_that_touch_become_a_tree(void **)
     assert_int_equal(found, 2);
 }
 
+double length_of_all_mm(const Tree &tree)
+{
+    double sum = 0;
+    for (const Branch &branch : tree.branches) sum += length_mm(branch);
+    return sum;
+}
+
+// Before, `convert` returned a tree with parents as it was, whatever --inlet said.
+void a_tree_with_parents_begins_at_the_inlet(void **)
+{
+    const Tree before = y_tree();
+    const Eigen::Vector3d left_end = before.branches[1].spheres.back().centre_mm;
+    std::vector<std::string> notes;
+    const Tree tree = joined(before, &left_end, &notes);
+    check_tree(tree, "turned");
+    assert_int_equal(tree.branches.size(), 3);
+    assert_string_equal(tree.branches[0].name.c_str(), "left");
+    assert_true((tree.branches[0].spheres.front().centre_mm - left_end).norm() < 1e-12);
+    for (int b : {1, 2}) assert_int_equal(tree.branches[b].parent, 0);
+    is_near(length_of_all_mm(tree), length_of_all_mm(before), 1e-12, "the length of all branches");
+    assert_int_equal(notes.size(), 1);
+    assert_true(notes[0].find("reversed") != std::string::npos);
+    // At the end where it begins already, it stays as it is.
+    const Eigen::Vector3d root = before.branches[0].spheres.front().centre_mm;
+    assert_same_tree(joined(before, &root), before);
+}
+
+void a_single_curve_begins_at_the_inlet(void **)
+{
+    Tree tree;
+    tree.branches.push_back(straight("curve", {0, 0, 0}, {0, 20, 0}, 21, 2, 1));
+    const Eigen::Vector3d end(0, 20, 0);
+    assert_true((joined(tree, &end).branches[0].spheres.front().centre_mm - end).norm() < 1e-12);
+}
+
+void an_inlet_away_from_all_ends_is_refused(void **)
+{
+    const Eigen::Vector3d away(0, -30, 0);
+    says([&] { joined(y_tree(), &away); }, {"30.0 mm from the nearest end", "(0.0, 0.0, 0.0) mm"});
+}
+
+// Before, a file with parents among the files kept all others from being joined.
+void curves_join_a_tree_that_has_parents(void **)
+{
+    Tree tree = y_tree();
+    tree.branches.push_back(straight("side", {0.4, 2, 0}, {12, 2, 0}, 25, 0.5, 0.5));
+    tree.branches.push_back(straight("far", {100, 0, 0}, {100, 9, 0}, 9, 0.4, 0.4));
+    std::vector<std::string> notes;
+    const Tree made = joined(tree, nullptr, &notes);
+    check_tree(made, "joined");
+    for (const Branch &branch : made.branches) {
+        if (branch.name == "far" || branch.name == "trunk")
+            assert_int_equal(branch.parent, -1);
+        else
+            assert_string_equal(made.branches[branch.parent].name.c_str(), "trunk");
+        if (branch.name == "side") assert_int_equal(branch.parent_sphere, 2);
+        if (branch.name == "left" || branch.name == "right") assert_int_equal(branch.parent_sphere, 5);
+    }
+    assert_int_equal(notes.size(), 1);
+    assert_true(notes[0].find("'far'") != std::string::npos);
+}
+
+// A tree of three branches whose root begins in a trunk: all keep their places, but the root's part inside
+// the trunk is cut off.
+void a_tree_joins_another_with_its_root(void **)
+{
+    Tree tree = y_tree();
+    for (Branch &branch : tree.branches)
+        for (Sphere &sphere : branch.spheres) sphere.centre_mm += Eigen::Vector3d(0, 0.2, 0);
+    tree.branches.push_back(straight("aorta", {-30, 0, 0}, {30, 0, 0}, 61, 4, 4));
+    const Tree made = joined(tree);
+    check_tree(made, "joined");
+    assert_int_equal(made.branches.size(), 4);
+    assert_string_equal(made.branches[0].name.c_str(), "aorta");
+    assert_string_equal(made.branches[1].name.c_str(), "trunk");
+    assert_int_equal(made.branches[1].parent, 0);
+    assert_int_equal(made.branches[1].parent_sphere, 30);
+    for (int b : {2, 3}) {
+        assert_int_equal(made.branches[b].parent, 1);
+        const Branch &trunk = made.branches[1];
+        assert_int_equal(made.branches[b].parent_sphere, trunk.spheres.size() - 1);
+    }
+}
+
 void a_tree_grows_by_the_deepest_end(void **)
 {
     // In the one-dimensional example each curve is a pair of coordinates [first, last], and its depth in a
@@ -193,6 +277,11 @@ void flow_is_kept_along_a_branch_with_sides(void **)
 int main()
 {
     const CMUnitTest tests[] = {cmocka_unit_test(curves_that_touch_become_a_tree),
+                                cmocka_unit_test(a_tree_with_parents_begins_at_the_inlet),
+                                cmocka_unit_test(a_single_curve_begins_at_the_inlet),
+                                cmocka_unit_test(an_inlet_away_from_all_ends_is_refused),
+                                cmocka_unit_test(curves_join_a_tree_that_has_parents),
+                                cmocka_unit_test(a_tree_joins_another_with_its_root),
                                 cmocka_unit_test(a_tree_grows_by_the_deepest_end),
                                 cmocka_unit_test(lines_that_run_together_part_where_they_part),
                                 cmocka_unit_test(a_split_tree_ends_at_every_junction),

@@ -243,6 +243,7 @@ ALLOWED = {
     + CORE_PUBLIC,
     "tools/centreline": [
         "tools/mesh",
+        "host/base/format.hpp",
         "host/base/guarded_read.hpp",
         "host/base/number_text.hpp",
         "host/base/pending_file.hpp",
@@ -260,6 +261,8 @@ ALLOWED = {
         "host/screen/screen.hpp",
     ],
     "tools/centreline/tests": ["tools/centreline", "tools/bake", "tools/mesh", "host/model", "host/base"],
+    "tools/centreline/program": COMMAND_LINE + ["tools/centreline/fit", "tools/patient", "host/cli/parse.hpp"],
+    "tools/patient": ["tools/centreline", "tools/bake", "tools/mesh", "host/base", "shared/scene/scene.h"],
     "tools/anatomy": [
         "shared",
         "host/model",
@@ -327,7 +330,13 @@ ALLOWED = {
         "host/picture/canvas.hpp",
     ],
     "tools/lab/ct/program": COMMAND_LINE
-    + ["tools/lab/ct", "host/cases/programs.hpp", "host/base/text.hpp", "tools/lab/reference_rod/truth_options.hpp"],
+    + [
+        "tools/lab/ct",
+        "host/cases/programs.hpp",
+        "host/base/text.hpp",
+        "tools/lab/reference_rod/truth_options.hpp",
+        "tools/patient",
+    ],
     # The window of a patient's CT draws with the suite's parts, and runs the command `ct patient`.
     "tools/lab/ct/review": ["tools/lab/ct/patient", "tools/lab/ct/arteries", "tools/centreline", "tools/bake", "host"],
     "tools/lab/ct/arteries": ["tools/lab/ct", "tools/centreline", "tools/mesh", "host", "shared/wire/wire_frame.h"],
@@ -335,19 +344,13 @@ ALLOWED = {
     "tools/lab/ct/patient": [
         "tools/lab/ct",
         "tools/centreline",
+        "tools/patient",
         "tools/bake",
         "tools/mesh",
         "host/model",
         "host/base",
         "host/xray",
         "host/picture/picture.hpp",
-    ],
-    "tools/lab/ct/patient/tests": [
-        "tools/lab/ct",
-        "tools/centreline",
-        "tools/bake",
-        "tools/mesh",
-        "host/base/tests/folder.hpp",
     ],
     "tools/lab/ct/tests": ["tools/lab/ct", "tools/lab/case", "tools/bake", "tools/mesh", "host/base/tests/folder.hpp"],
     "tools/mesh": [

@@ -8,12 +8,13 @@
 #include "tools/centreline/formats.hpp"
 #include "tools/lab/ct/arteries/scan_copy.hpp"
 #include "tools/lab/ct/commands.hpp"
-#include "tools/lab/ct/patient/naming.hpp"
 #include "tools/lab/ct/patient/unlabelled.hpp"
 #include "tools/lab/ct/patient/vessels.hpp"
 #include "tools/lab/ct/patient/xray_pictures.hpp"
 #include "tools/lab/ct/surface.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
+#include "tools/patient/entry.hpp"
+#include "tools/patient/naming.hpp"
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -36,7 +37,7 @@ std::string names_checksum(const NamesTable &names)
     return checksum(text.data(), text.size());
 }
 
-constexpr const char *steps_version = "14"; // another number: every step is made again
+constexpr const char *steps_version = "15"; // another number: every step is made again
 
 struct Patient {
     Volume scan;
@@ -205,7 +206,7 @@ bake::Mesh make_lumen(Patient &patient, Steps &steps, Page &page)
     return bake::load_mesh(text);
 }
 
-void write_scene_text(const Patient &patient, const centreline::Tree &tree, const Entry &entry)
+void write_scene_text(const Patient &patient, const centreline::Tree &tree, const patient::Entry &entry)
 {
     const std::string text = formatted(
         "# Made by `ct patient`. It may be changed and baked again: bake scene.toml -o patient.scene\n"
@@ -223,7 +224,8 @@ void make_scene(Patient &patient, const centreline::Tree &tree, Steps &steps)
     const auto click = std::find_if(patient.clicks.rbegin(), patient.clicks.rend(),
                                     [](const Click &c) { return c.kind == ClickKind::entry; });
     const bool is_clicked = click != patient.clicks.rend();
-    const Entry entry = is_clicked ? entry_near(tree, click->at_mm) : entry_of(tree, patient.scan.name);
+    const patient::Entry entry = patient::inside_end(tree, is_clicked ? patient::end_near(tree, click->at_mm)
+                                                                      : patient::low_end(tree));
     patient.findings.assumed.push_back(formatted(
         "instruments enter at (%.0f, %.0f, %.0f) mm, at the end of %s nearest to the %s", entry.place_mm.x(),
         entry.place_mm.y(), entry.place_mm.z(), entry.branch.c_str(), is_clicked ? "click" : "feet"));
@@ -257,7 +259,7 @@ centreline::Tree make_tree(Patient &patient, const bake::Mesh &lumen, Steps &ste
         Findings of_tree;
         const Eigen::Vector3d root_mm = patient.root_mm ? *patient.root_mm : root_of(patient.labels);
         centreline::Tree tree = tree_of(lumen, patient.labels, root_mm, of_tree);
-        if (!patient.has_map && patient.has_aorta) propose_names(tree);
+        if (!patient.has_map && patient.has_aorta) patient::propose_names(tree);
         name_branches(tree, patient.clicks);
         describe_branches(tree, of_tree);
         centreline::write_tree(file, tree);

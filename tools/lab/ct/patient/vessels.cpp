@@ -22,15 +22,6 @@ namespace
 using Eigen::Vector3d;
 
 constexpr double least_radius_mm = 0.1;
-constexpr double entry_mm = 15.0; // from the end of the vessel into it
-
-// The end of a branch without children.
-bool is_leaf(const centreline::Tree &tree, std::size_t branch)
-{
-    return std::none_of(tree.branches.begin(), tree.branches.end(), [&](const centreline::Branch &other) {
-        return other.parent == static_cast<int>(branch);
-    });
-}
 
 std::string structure_of(const centreline::Branch &branch, const LabelMap &labels)
 {
@@ -50,6 +41,20 @@ std::string structure_of(const centreline::Branch &branch, const LabelMap &label
     return best;
 }
 
+// The signed distance from the faces between voxels of the mask and others. signed_distance() is 0 in the
+// middle of the mask's outermost voxels, half a voxel inside these faces; of the other voxels it is so half a
+// voxel outside.
+Volume border_distance(const Volume &mask)
+{
+    Volume others = mask;
+    for (float &value : others.hu) value = value > 0 ? 0.0f : 1.0f;
+    Volume distance = signed_distance(mask);
+    const Volume back = signed_distance(others);
+    for (std::size_t at = 0; at < distance.count(); ++at)
+        distance.hu[at] = (distance.hu[at] - back.hu[at]) / 2;
+    return distance;
+}
+
 } // namespace
 
 Volume artery_level(const Volume &scan, const LabelMap &labels, const Contrast &contrast,
@@ -60,7 +65,7 @@ Volume artery_level(const Volume &scan, const LabelMap &labels, const Contrast &
     report("cut out arteries", 0);
     const Cut cut = cut_arteries(scan, labels);
     report("cut out arteries", 0.5);
-    const Volume level = smoothed(in_cubes(signed_distance(cut.mask), cube_of(scan)), 0.7);
+    const Volume level = smoothed(in_cubes(border_distance(cut.mask), cube_of(scan)), 0.7);
     report("cut out arteries", 1);
     return level;
 }
@@ -252,53 +257,6 @@ void describe_branches(const centreline::Tree &tree, Findings &findings)
                                            branch.name.c_str(), centreline::length_mm(branch),
                                            branch.spheres.front().radius_mm,
                                            branch.spheres.back().radius_mm));
-}
-
-// The place inside the end of a branch, and the direction from the end into it.
-static Entry inside_end(const centreline::Branch &branch)
-{
-    double passed_mm = 0.0;
-    for (std::size_t i = branch.spheres.size() - 1; i > 0; --i) {
-        const Vector3d step = branch.spheres[i - 1].centre_mm - branch.spheres[i].centre_mm;
-        passed_mm += step.norm();
-        if (passed_mm >= entry_mm || i == 1)
-            return {branch.spheres[i - 1].centre_mm, step.normalized(), branch.name};
-    }
-    throw Fault("tree: the branch " + branch.name + " has a single place");
-}
-
-// Beside the femoral artery, its deep branch often ends lower, so the widest of the low ends is taken.
-Entry entry_of(const centreline::Tree &tree, const std::string &name)
-{
-    constexpr double low_mm = 60.0;
-    const auto end_mm = [](const centreline::Branch &branch) { return branch.spheres.back().centre_mm.y(); };
-    const auto radius_mm = [](const centreline::Branch &branch) {
-        return branch.spheres[branch.spheres.size() / 2].radius_mm;
-    };
-    double lowest_mm = 1e9;
-    for (std::size_t i = 0; i < tree.branches.size(); ++i)
-        if (is_leaf(tree, i)) lowest_mm = std::min(lowest_mm, end_mm(tree.branches[i]));
-    const centreline::Branch *widest = nullptr;
-    for (std::size_t i = 0; i < tree.branches.size(); ++i) {
-        const centreline::Branch &branch = tree.branches[i];
-        if (!is_leaf(tree, i) || end_mm(branch) > lowest_mm + low_mm) continue;
-        if (!widest || radius_mm(branch) > radius_mm(*widest)) widest = &branch;
-    }
-    if (!widest) throw Fault(name + ": the arteries have no end");
-    return inside_end(*widest);
-}
-
-Entry entry_near(const centreline::Tree &tree, const Vector3d &place_mm)
-{
-    const centreline::Branch *nearest = nullptr;
-    const auto distance = [&](const centreline::Branch &branch) {
-        return (branch.spheres.back().centre_mm - place_mm).norm();
-    };
-    for (std::size_t i = 0; i < tree.branches.size(); ++i)
-        if (is_leaf(tree, i) && (!nearest || distance(tree.branches[i]) < distance(*nearest)))
-            nearest = &tree.branches[i];
-    if (!nearest) throw Fault("tree: the arteries have no end");
-    return inside_end(*nearest);
 }
 
 } // namespace crn::ct

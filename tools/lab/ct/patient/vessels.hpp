@@ -1,5 +1,4 @@
-// Makes the lumen of the arteries from a label map, its tree of centrelines, the names of the branches, and
-// the place where instruments enter.
+// Makes the lumen of the arteries from a label map, its tree of centrelines, and the names of the branches.
 #pragma once
 #include "tools/bake/mesh.hpp"
 #include "tools/centreline/tree.hpp"
@@ -32,14 +31,5 @@ void name_branches(centreline::Tree &tree, const std::vector<Click> &clicks);
 
 // Adds the name, length and radius of each branch to the facts.
 void describe_branches(const centreline::Tree &tree, Findings &findings);
-
-// The place where instruments enter: inside the end of the tree that is nearest to the feet.
-struct Entry {
-    Eigen::Vector3d place_mm, direction;
-    std::string branch;
-};
-Entry entry_of(const centreline::Tree &tree, const std::string &name);
-// Inside the end of the tree that is nearest to the place.
-Entry entry_near(const centreline::Tree &tree, const Eigen::Vector3d &place_mm);
 
 } // namespace crn::ct

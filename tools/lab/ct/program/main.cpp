@@ -8,9 +8,11 @@
 #include "tools/lab/ct/arteries/clicks.hpp"
 #include "tools/lab/ct/commands.hpp"
 #include "tools/lab/ct/cta/cta.hpp"
+#include "tools/lab/ct/patient/label_map.hpp"
 #include "tools/lab/ct/patient/patient.hpp"
 #include "tools/lab/ct/review/review_window.hpp"
 #include "tools/lab/reference_rod/truth_options.hpp"
+#include "tools/patient/options.hpp"
 
 #include <cstdio>
 #include <thread>
@@ -32,6 +34,7 @@ constexpr const char *examples =
     "  ct scan lumen.ply wire.csv -o scan.nrrd              one scan of a steel wire in a phantom\n"
     "  ct scan lumen.ply wire.csv -o series --material nitinol      the same as a DICOM series\n"
     "  ct patient scan.nii.gz -o patient                    a scene from a patient's CT\n"
+    "  ct labels map.nii.gz --table names.csv -o mine       a scene from a label map alone\n"
     "ct SUBCOMMAND --help has the options.\n"
     "Volumes: .nrrd, .nii, .nii.gz, .mha, or a folder with a DICOM series. Places are in the scene's axes "
     "(+x patient left, +y head, +z front), in mm.\n"
@@ -292,6 +295,32 @@ void add_patient(CLI::App &app, PatientOptions &options, WindowChoice &window)
     });
 }
 
+void add_labels(CLI::App &app, LabelWish &labels, crn::patient::SceneOptions &options)
+{
+    CLI::App &command =
+        *app.add_subcommand("labels", "a playable scene from a label map alone, without a scan");
+    command.footer("Examples:\n"
+                   "  ct labels vessels.nii.gz -o mine                     every label is a vessel\n"
+                   "  ct labels map.nii.gz --table names.csv -o mine       the arteries by their names\n"
+                   "  ct labels map.nrrd --label 52 --label 65 -o mine     these labels\n"
+                   "docs/own_mesh.md has what is decided, and how to decide otherwise.\n");
+    command.add_option("MAP", labels.map, "the label map: .nrrd, .nii, .nii.gz or .mha")->required();
+    command.add_option("--table", labels.table, "the labels' numbers and names");
+    command.add_option("--label", labels.labels, "this label is a vessel; may be repeated");
+    crn::patient::add_scene_options(command, options);
+    command.callback([&labels, &options] {
+        std::vector<crn::NamedPath> inputs = {{"MAP", labels.map.string()}};
+        if (!labels.table.empty()) inputs.push_back({"--table", labels.table.string()});
+        crn::check_outputs(inputs, {});
+        const crn::patient::SceneWish wish = crn::patient::wish_of(options);
+        crn::patient::make_and_tell(
+            [&](crn::patient::Choices &choices, crn::bake::Progress &progress) {
+                make_label_scene(labels, wish, choices, progress);
+            },
+            wish);
+    });
+}
+
 void add_cta(CLI::App &app, CtaOptions &options)
 {
     CLI::App &command =
@@ -341,6 +370,9 @@ int main(int argc, char **argv)
     PatientOptions patient;
     WindowChoice window;
     add_patient(app, patient, window);
+    LabelWish labels;
+    crn::patient::SceneOptions scene;
+    add_labels(app, labels, scene);
     CtaOptions cta;
     add_cta(app, cta);
     std::filesystem::path checked;

@@ -5,6 +5,7 @@
 #include "tools/lab/ct/patient/vessels.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include "tools/mesh/fault.hpp"
+#include "tools/patient/entry.hpp"
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -165,7 +166,7 @@ static void the_lumen_tree_and_entry_are_those_of_the_truth(void **)
         assert_true(std::count(names.begin(), names.end(), name) == 1);
     assert_string_equal(tree.branches.front().name.c_str(), "aorta");
     assert_true(tree.branches.front().spheres.front().centre_mm.y() > 50);
-    const Entry entry = entry_of(tree, "scan");
+    const patient::Entry entry = patient::inside_end(tree, patient::low_end(tree));
     assert_true(entry.place_mm.y() < -40 && entry.direction.y() > 0.5);
     assert_true(wall_at(entry.place_mm).distance_mm < -3);
 }
@@ -324,7 +325,7 @@ static void instruments_enter_the_widest_of_the_low_ends(void **)
     centreline::Tree tree;
     tree.branches = {line("aorta", -1, 0, 100, 0, 9), line("deep", 0, 20, 0, -100, 2),
                      line("femoral", 0, 25, 0, -80, 4)};
-    const Entry entry = entry_of(tree, "scan");
+    const patient::Entry entry = patient::inside_end(tree, patient::low_end(tree));
     assert_string_equal(entry.branch.c_str(), "femoral");
     assert_true(std::fabs(entry.place_mm.y() + 65) < 5 && entry.direction.y() > 0.99);
 }

@@ -2,7 +2,7 @@
 #pragma once
 #include "tools/centreline/tree.hpp"
 
-namespace crn::ct
+namespace crn::patient
 {
 
 // Names every branch of a tree whose first branch begins in the aorta; docs/own_ct.md has the rules. A vessel
@@ -10,4 +10,4 @@ namespace crn::ct
 // on. The axes are those of the scene.
 void propose_names(centreline::Tree &tree);
 
-} // namespace crn::ct
+} // namespace crn::patient

@@ -1,5 +1,5 @@
 // Tests the names that are proposed for the branches of an arterial tree.
-#include "tools/lab/ct/patient/naming.hpp"
+#include "tools/patient/naming.hpp"
 #include <algorithm>
 #include <csetjmp>
 #include <cstdarg>
@@ -85,7 +85,7 @@ static void branches_of_a_usual_aorta_have_their_names(void **)
                              {add(tree, left_iliac, {50, -400, 20}, 4), "left_external_iliac_artery"},
                              {add(tree, left_iliac, {40, -370, -60}, 3), "left_internal_iliac_artery"},
                              {add(tree, belly_3, {4, -225, -45}, 1.3), "branch_2"}};
-    ct::propose_names(tree);
+    patient::propose_names(tree);
     for (const Wanted &one : wanted) assert_string_equal(name_of(tree, one.branch).c_str(), one.name);
 }
 

@@ -1,10 +1,10 @@
-#include "tools/lab/ct/patient/naming.hpp"
-#include "tools/lab/ct/measures.hpp"
+#include "tools/patient/naming.hpp"
+#include "tools/mesh/median.hpp"
 #include <algorithm>
 #include <cmath>
 #include <map>
 
-namespace crn::ct
+namespace crn::patient
 {
 
 namespace
@@ -62,7 +62,7 @@ class Namer
             if (n > first)
                 shape.length_mm += (branch.spheres[n].centre_mm - branch.spheres[n - 1].centre_mm).norm();
         }
-        shape.radius_mm = median(radii);
+        shape.radius_mm = mesh::median(radii);
         return shape;
     }
     // A branch that a junction cuts soon has the radius and direction of the long, wide vessel that it leads
@@ -355,4 +355,4 @@ void propose_names(centreline::Tree &tree)
     Namer(tree).name_all();
 }
 
-} // namespace crn::ct
+} // namespace crn::patient

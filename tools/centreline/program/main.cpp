@@ -5,6 +5,7 @@
 #include "host/base/version.hpp"
 #include "host/cli/parse.hpp"
 #include "tools/centreline/fit/commands.hpp"
+#include "tools/centreline/program/patient_command.hpp"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -23,6 +24,7 @@ constexpr const char *examples =
     "  centreline carry lca.csv frames/ -o out/lca                     through all frames of a beating "
     "heart\n"
     "  centreline convert a.mrk.json b.mrk.json -o tree.vtp            curves become a tree\n"
+    "  centreline patient atlas.glb -o mine                            a playable scene, in one command\n"
     "  centreline show lca.csv --mesh coronaries.obj -o lca.png        a picture, manual points red\n"
     "Trees: .csv, .mrk.json (3D Slicer), .vtp (VMTK), .obj.\n"
     "Meshes: .stl, .obj, .ply, .gltf, .glb, or a scene's .toml.\n"
@@ -182,7 +184,8 @@ void add_using(CLI::App &app, Options &options)
     add_mesh_options(*show, options);
 }
 
-int run(const std::string &command, const Options &options)
+int run(const std::string &command, const Options &options, const crn::patient::SceneOptions &scene,
+        const std::vector<std::string> &meshes)
 {
     using namespace crn::centreline;
     if (command == "fit") return command_fit(options);
@@ -190,6 +193,7 @@ int run(const std::string &command, const Options &options)
     if (command == "convert") return command_convert(options);
     if (command == "carry") return command_carry(options);
     if (command == "show") return command_show(options);
+    if (command == "patient") return crn::patient::command_patient(scene, meshes);
     return command_edit(options);
 }
 
@@ -198,6 +202,8 @@ int run(const std::string &command, const Options &options)
 int main(int argc, char **argv)
 {
     Options options;
+    crn::patient::SceneOptions scene;
+    std::vector<std::string> meshes;
     if (const char *folder = std::getenv("CRN_ANATOMY")) options.data = folder;
     CLI::App app{"Vessel trees of inscribed spheres, from a mesh and a few points, or from the "
                  "mesh alone",
@@ -206,11 +212,12 @@ int main(int argc, char **argv)
     app.require_subcommand(1);
     add_making(app, options);
     add_using(app, options);
+    crn::patient::add_patient(app, scene, meshes);
     app.set_version_flag("--version", crn::version_of("centreline"));
     if (const std::optional<int> code = crn::parse_command_line(app, argc, argv)) return *code;
     crn::bake::Progress::catch_interrupts();
     try {
-        return run(app.get_subcommands().front()->get_name(), options);
+        return run(app.get_subcommands().front()->get_name(), options, scene, meshes);
     } catch (const crn::UsageError &error) {
         crn::say(stderr, "centreline: %s\n", error.what());
         return 2;

@@ -1,0 +1,237 @@
+#include "tools/patient/parts.hpp"
+#include "host/base/format.hpp"
+#include "host/base/output_files.hpp"
+#include "tools/bake/fault.hpp"
+#include "tools/mesh/files/mesh_file.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <map>
+#include <sstream>
+
+namespace crn::patient
+{
+namespace
+{
+
+namespace fs = std::filesystem;
+
+struct RawPart {
+    std::string name;
+    fs::path file;
+    bake::MeshPiece piece;
+};
+
+std::string lower(std::string text)
+{
+    for (char &c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return text;
+}
+
+bool has_any(const std::string &text, std::initializer_list<const char *> words)
+{
+    return std::any_of(words.begin(), words.end(), [&](const char *w) { return text.find(w) != text.npos; });
+}
+
+bool is_gltf(const fs::path &file)
+{
+    const std::string ending = lower(file.extension().string());
+    return ending == ".glb" || ending == ".gltf";
+}
+
+std::vector<RawPart> read_raw(const PartsWish &wish)
+{
+    std::vector<RawPart> parts;
+    for (const fs::path &file : wish.files) {
+        std::vector<bake::MeshPiece> pieces = bake::read_mesh_file(file, wish.parts);
+        for (bake::MeshPiece &piece : pieces) {
+            if (piece.triangles.empty()) continue;
+            const bool is_named = pieces.size() > 1 && !piece.name.empty();
+            parts.push_back({is_named ? piece.name : file.stem().string(), file, std::move(piece)});
+        }
+    }
+    if (parts.empty())
+        throw Fault(wish.files.front().string() +
+                    ": holds no triangle: export the surface, not points or lines");
+    return parts;
+}
+
+// Without a wish, a file with names of arteries gives its arteries.
+void choose_parts(std::vector<RawPart> &parts, const PartsWish &wish, Choices &choices)
+{
+    const auto arteries = std::count_if(parts.begin(), parts.end(),
+                                        [](const RawPart &part) { return is_artery_name(part.name); });
+    if (!wish.parts.empty()) {
+        choices.add("parts", std::to_string(parts.size()), "as stated", "--part NAME");
+    } else if (arteries > 0 && static_cast<std::size_t>(arteries) < parts.size()) {
+        std::erase_if(parts, [](const RawPart &part) { return !is_artery_name(part.name); });
+        choices.add("parts", formatted("%zu arteries by their names", parts.size()),
+                    "veins, pulmonary arteries and organs are left out",
+                    "--part NAME, or --part '*' for all");
+    } else if (parts.size() > 1) {
+        choices.add("parts", "all " + std::to_string(parts.size()), "no name says which are arteries",
+                    "--part NAME");
+    }
+}
+
+double extent_of(const std::vector<RawPart> &parts)
+{
+    Eigen::AlignedBox3f box;
+    for (const RawPart &part : parts)
+        for (const auto &v : part.piece.vertices) box.extend(Eigen::Vector3f(v.data()));
+    return static_cast<double>(box.sizes().maxCoeff());
+}
+
+std::string unit_of(const std::vector<RawPart> &parts, const PartsWish &wish, Choices &choices)
+{
+    const double extent = extent_of(parts);
+    std::string unit = wish.unit, why = "as stated";
+    if (unit.empty() &&
+        std::all_of(parts.begin(), parts.end(), [](const RawPart &p) { return is_gltf(p.file); })) {
+        unit = "m";
+        why = "glTF files are in metres";
+    } else if (unit.empty()) {
+        // A patient's vessels are 15 mm to 2.5 m long. Where two units would do, the usual one is taken.
+        for (const char *guess : {"mm", "m", "cm", "um"}) {
+            const double mm = extent * millimetres_per(guess);
+            if (mm >= 15 && mm <= 2500) {
+                unit = guess;
+                break;
+            }
+        }
+        if (unit.empty())
+            throw Fault(
+                formatted("%s: is %.4g long, which is a patient's vessel in no unit (15 mm to 2.5 m): check "
+                          "the file's scale, or state --unit",
+                          parts.front().file.c_str(), extent));
+        why = formatted("the mesh is %.4g long, so %.0f mm", extent, extent * millimetres_per(unit));
+    }
+    choices.add("unit", unit, why, "--unit mm, cm, m or um");
+    return unit;
+}
+
+// In scans +z is the head and +y the back (LPS). Other files have +y upwards, as the scene.
+std::string axes_for(const std::vector<RawPart> &parts, const PartsWish &wish, Choices &choices)
+{
+    std::string axes = lower(wish.axes), why = "as stated";
+    if (axes == "lps" || axes == "ras") {
+        axes = axes == "lps" ? "+x,+z,-y" : "-x,+z,+y";
+    } else if (axes.empty() &&
+               std::all_of(parts.begin(), parts.end(), [](const RawPart &p) { return is_gltf(p.file); })) {
+        axes = "+x,+y,+z";
+        why = "glTF files have +y upwards and +z to the front";
+    } else if (axes.empty()) {
+        Eigen::AlignedBox3f box;
+        for (const RawPart &part : parts)
+            for (const auto &v : part.piece.vertices) box.extend(Eigen::Vector3f(v.data()));
+        const Eigen::Vector3f size = box.sizes();
+        constexpr float longer = 1.2f;
+        if (size.z() > longer * size.x() && size.z() > longer * size.y()) {
+            axes = "+x,+z,-y";
+            why = "z is the longest axis, so it is taken for the head's, as in scans (LPS)";
+        } else if (size.x() > longer * size.y() && size.x() > longer * size.z()) {
+            axes = "-y,+x,+z";
+            why = "x is the longest axis, so it is taken for the head's; nothing says whether +x or -x is "
+                  "the head";
+        } else {
+            axes = "+x,+y,+z";
+            why = "the file's axes are taken for the scene's";
+        }
+    }
+    choices.add("axes", axes, why + "; these are the patient's left, head and front",
+                "--axes lps, ras or such as +x,+z,-y");
+    return axes;
+}
+
+} // namespace
+
+Eigen::Matrix3d axes_of(const std::string &text)
+{
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
+    std::istringstream words(text);
+    std::string word;
+    int row = 0;
+    for (; std::getline(words, word, ','); ++row) {
+        const std::size_t axis = word.size() == 2 ? std::string("xyz").find(word[1]) : std::string::npos;
+        if (row > 2 || axis == std::string::npos || (word[0] != '+' && word[0] != '-')) break;
+        axes(row, static_cast<int>(axis)) = word[0] == '+' ? 1 : -1;
+    }
+    if (row != 3 || axes.determinant() < 0.5)
+        throw UsageError(
+            "--axes " + text +
+            ": name each of x, y and z once with its sign, like +x,+z,-y, without a mirror; or lps, ras");
+    return axes;
+}
+
+bool is_artery_name(const std::string &name)
+{
+    const std::string text = lower(name);
+    if (has_any(text, {"vein", "vena", "venous", "pulmon", "sinus", "portal"})) return false;
+    return has_any(text, {"arter", "aort", "carotid", "iliac", "femoral", "brachiocephalic", "subclavian",
+                          "coronar", "marginal_branch", "ventricular_branch", "diagonal", "septal", "celiac",
+                          "coeliac"});
+}
+
+std::vector<std::string> short_names(const std::vector<std::string> &names)
+{
+    constexpr std::size_t letters_max = 27;
+    std::size_t same = names.empty() ? 0 : names.front().size();
+    for (const std::string &name : names) {
+        std::size_t n = 0;
+        while (n < same && n < name.size() && name[n] == names.front()[n]) ++n;
+        same = n;
+    }
+    // Only whole words that begin a number of names, as "VH_M_" does; two parts may well begin alike.
+    while (same > 0 && names.front()[same - 1] != '_') --same;
+    const bool is_number = std::any_of(names.begin(), names.end(), [&](const std::string &name) {
+        return same < name.size() && name[same] >= '0' && name[same] <= '9';
+    });
+    if (names.size() < 3 || is_number) same = 0;
+    std::vector<std::string> made;
+    std::map<std::string, int> used;
+    for (const std::string &name : names) {
+        std::string plain;
+        for (char c : lower(name.substr(same)))
+            plain += (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ? c : '_';
+        while (!plain.empty() && plain.front() == '_') plain.erase(0, 1);
+        plain.resize(std::min(plain.size(), letters_max));
+        while (!plain.empty() && plain.back() == '_') plain.pop_back();
+        if (plain.empty()) plain = "vessel";
+        const int number = ++used[plain];
+        made.push_back(number > 1 ? plain + "_" + std::to_string(number) : plain);
+    }
+    return made;
+}
+
+std::vector<Part> read_parts(const PartsWish &wish, Choices &choices, Frame &frame)
+{
+    std::vector<RawPart> raw = read_raw(wish);
+    choose_parts(raw, wish, choices);
+    frame.unit = frame.placement.unit = unit_of(raw, wish, choices);
+    frame.axes = axes_for(raw, wish, choices);
+    frame.placement.axes = axes_of(frame.axes);
+    const double unit_mm = millimetres_per(frame.unit);
+    Eigen::AlignedBox3d box;
+    for (const RawPart &part : raw)
+        for (const auto &v : part.piece.vertices)
+            box.extend(frame.placement.place({v[0], v[1], v[2]}, unit_mm));
+    constexpr double far_mm = 1000; // a scene ends 1.9 m from its origin
+    if (box.center().norm() > far_mm) {
+        frame.placement.offset_mm = -box.center();
+        choices.add("offset", bake::place_text(frame.placement.offset_mm),
+                    "the mesh lies more than a metre from the origin", "");
+    }
+    std::vector<Part> parts;
+    for (RawPart &part : raw) {
+        bake::Mesh mesh;
+        mesh.name = raw.size() > 1 ? part.file.string() + ", part " + part.name : part.file.string();
+        for (const auto &v : part.piece.vertices)
+            mesh.vertices_mm.push_back(frame.placement.place({v[0], v[1], v[2]}, unit_mm));
+        mesh.triangles = part.piece.triangles;
+        bake::weld(mesh);
+        parts.push_back({part.name, std::move(mesh)});
+    }
+    return parts;
+}
+
+} // namespace crn::patient

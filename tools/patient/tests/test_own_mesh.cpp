@@ -1,0 +1,360 @@
+// These tests check the following. From the meshes of vessels as people have them, the tool finds the lumen
+// of known shapes: tubes, walls of two sheets, parts that overlap or almost touch. Volumes are compared with
+// closed forms. Unit, axes and arteries are found. A whole folder can be baked, and its entry lies in the
+// vessel.
+#include "host/base/text.hpp"
+#include "tools/bake/triangle_tree.hpp"
+#include "tools/centreline/fit/automatic.hpp"
+#include "tools/centreline/tests/shapes.hpp"
+#include "tools/patient/scene_folder.hpp"
+#include "tools/patient/wall.hpp"
+#include <numbers>
+
+using namespace crn;
+using namespace crn::patient;
+using centreline::tests::Folder;
+using centreline::tests::says;
+using centreline::tests::tube_mesh;
+using centreline::tests::write_obj;
+using Eigen::Vector3d;
+using std::numbers::pi;
+
+namespace
+{
+
+bake::Progress own_progress;
+
+void is_near(double got, double wanted, double share, const char *what)
+{
+    std::printf("# %s: %.4g, expected %.4g\n", what, got, wanted);
+    if (!(std::abs(got - wanted) <= share * std::abs(wanted)))
+        fail_msg("%s is %.6g, expected %.6g within %.1f %%", what, got, wanted, 100 * share);
+}
+
+bake::Mesh reversed(bake::Mesh mesh)
+{
+    for (bake::Triangle &t : mesh.triangles) std::swap(t[1], t[2]);
+    return mesh;
+}
+
+bake::Mesh together(bake::Mesh one, const bake::Mesh &other)
+{
+    const auto base = static_cast<std::uint32_t>(one.vertices_mm.size());
+    one.vertices_mm.insert(one.vertices_mm.end(), other.vertices_mm.begin(), other.vertices_mm.end());
+    for (const bake::Triangle &t : other.triangles)
+        one.triangles.push_back({base + t[0], base + t[1], base + t[2]});
+    return one;
+}
+
+bake::Mesh moved(bake::Mesh mesh, const Vector3d &by)
+{
+    for (Vector3d &v : mesh.vertices_mm) v += by;
+    return mesh;
+}
+
+// A wall: an outer and an inner tube, with a ring at both ends that joins them.
+constexpr int tube_along = 60, tube_around = 40;
+
+bake::Mesh walled_tube(double inner_mm, double outer_mm, double length_mm, double bend_mm, bool has_rims)
+{
+    bake::Mesh mesh = together(tube_mesh(outer_mm, length_mm, bend_mm, tube_along, tube_around),
+                               reversed(tube_mesh(inner_mm, length_mm, bend_mm, tube_along, tube_around)));
+    const auto half = static_cast<std::uint32_t>((tube_along + 1) * tube_around);
+    for (const int i : {0, tube_along})
+        for (int j = 0; has_rims && j < tube_around; ++j) {
+            const auto a = static_cast<std::uint32_t>(i * tube_around + j),
+                       b = static_cast<std::uint32_t>(i * tube_around + (j + 1) % tube_around);
+            const bool is_first = i == 0;
+            mesh.triangles.push_back(is_first ? bake::Triangle{a, b, b + half}
+                                              : bake::Triangle{b, a, b + half});
+            mesh.triangles.push_back(is_first ? bake::Triangle{a, b + half, a + half}
+                                              : bake::Triangle{b + half, a, a + half});
+        }
+    return mesh;
+}
+
+// The volume of a prism of `tube_around` corners, as a tube's mesh is.
+double tube_mm3(double radius_mm, double length_mm)
+{
+    return tube_around * radius_mm * radius_mm / 2 * std::sin(2 * pi / tube_around) * length_mm;
+}
+
+WholeLumen whole(const std::vector<Part> &parts, UnionWish wish = {}, std::string *text = nullptr)
+{
+    Choices choices;
+    WholeLumen made = whole_lumen(parts, wish, choices, own_progress);
+    if (text) *text = choices.text("");
+    return made;
+}
+
+void contains(const std::string &text, const char *words)
+{
+    if (text.find(words) == text.npos) fail_msg("\"%s\" does not say \"%s\"", text.c_str(), words);
+}
+
+// --- walls ---
+
+void a_lumen_alone_is_no_wall(void **)
+{
+    assert_false(lumen_of_wall(tube_mesh(3, 80, 0, tube_along, tube_around)).has_value());
+    // A vessel that turns back sees itself from outside.
+    assert_false(lumen_of_wall(tube_mesh(3, 60, 12, tube_along, tube_around)).has_value());
+    assert_false(lumen_of_wall(reversed(tube_mesh(3, 80, 0, tube_along, tube_around))).has_value());
+}
+
+void the_lumen_of_a_wall_is_inside_its_inner_sheet(void **)
+{
+    for (const double bend_mm : {0.0, 15.0})
+        for (const bool has_rims : {true, false})
+            for (const bool is_inside_out : {true, false}) {
+                bake::Mesh wall = walled_tube(3, 4.2, 50, bend_mm, has_rims);
+                if (is_inside_out) wall = reversed(wall);
+                const std::optional<WallFound> found = lumen_of_wall(wall);
+                assert_true(found.has_value());
+                is_near(found->thickness_mm, 1.2, 0.03, "thickness of the wall in mm");
+                is_near(bake::volume_mm3(whole({{"wall", wall}}).closed), tube_mm3(3, 50), 0.01,
+                        "volume of the lumen in mm3");
+            }
+}
+
+void a_wall_may_be_taken_as_stated(void **)
+{
+    const bake::Mesh wall = walled_tube(3, 4.2, 50, 0, true);
+    UnionWish wish;
+    wish.walls = "lumen";
+    std::string text;
+    // The mesh then is the solid between the sheets.
+    is_near(bake::volume_mm3(whole({{"wall", wall}}, wish, &text).closed),
+            tube_mm3(4.2, 50) - tube_mm3(3, 50), 0.01, "volume of the wall in mm3");
+    wish.walls = "wall";
+    says(
+        [&] {
+            whole({{"tube", tube_mesh(3, 80, 0, tube_along, tube_around)}}, wish);
+        },
+        {"no wall", "--walls"});
+}
+
+// --- parts ---
+
+void a_good_mesh_stays_as_it_is(void **)
+{
+    const WholeLumen made = whole({{"tube", tube_mesh(3, 80, 0, tube_along, tube_around)}});
+    assert_false(made.is_remade);
+    is_near(bake::volume_mm3(made.closed), tube_mm3(3, 80), 1e-9, "volume of a tube in mm3");
+    is_near(
+        bake::volume_mm3(whole({{"tube", reversed(tube_mesh(3, 80, 0, tube_along, tube_around))}}).closed),
+        tube_mm3(3, 80), 1e-9, "volume of a tube that was inside out in mm3");
+}
+
+void parts_that_overlap_become_one_lumen(void **)
+{
+    // One of two tubes goes on inside the other for 20 mm.
+    std::string text;
+    const WholeLumen made =
+        whole({{"aorta", tube_mesh(5, 60, 0, tube_along, tube_around)},
+               {"iliac", moved(tube_mesh(3, 60, 0, tube_along, tube_around), {0, 40, 0})}},
+              {}, &text);
+    assert_true(made.is_remade);
+    is_near(bake::volume_mm3(made.closed), tube_mm3(5, 60) + tube_mm3(3, 40), 0.02,
+            "volume of two tubes in mm3");
+    contains(text, "2 parts become one");
+}
+
+void a_gap_between_parts_is_bridged(void **)
+{
+    const std::vector<Part> parts = {
+        {"one", tube_mesh(4, 40, 0, tube_along, tube_around)},
+        {"two", moved(tube_mesh(4, 40, 0, tube_along, tube_around), {0, 42, 0})}};
+    std::string text;
+    const double both = bake::volume_mm3(whole(parts, {}, &text).closed);
+    contains(text, "bridges");
+    UnionWish none;
+    none.bridge_mm = 0;
+    const double one = bake::volume_mm3(whole(parts, none, &text).closed);
+    contains(text, "left out");
+    is_near(one, tube_mm3(4, 40), 0.02, "volume of one tube in mm3");
+    // The bridge is a tube of 0.9 of the radius over 2 mm.
+    is_near(both - 2 * one, tube_mm3(3.6, 2), 0.4, "volume of the bridge in mm3");
+}
+
+// --- unit, axes, names ---
+
+Part read_one(const bake::Mesh &mesh, double numbers_per_mm, PartsWish wish, Frame &frame)
+{
+    const Folder folder;
+    bake::Mesh scaled = mesh;
+    for (Vector3d &v : scaled.vertices_mm) v *= numbers_per_mm;
+    write_obj(folder.path / "vessel.obj", scaled);
+    wish.files = {folder.path / "vessel.obj"};
+    Choices choices;
+    return read_parts(wish, choices, frame).front();
+}
+
+void the_unit_is_found(void **)
+{
+    const bake::Mesh tube = tube_mesh(3, 300, 0, tube_along, tube_around);
+    const std::pair<double, const char *> units[] = {{1, "mm"}, {1e-3, "m"}, {1e3, "um"}};
+    for (const auto &[scale, unit] : units) {
+        Frame frame;
+        const Part part = read_one(tube, scale, {}, frame);
+        assert_string_equal(frame.unit.c_str(), unit);
+        Eigen::AlignedBox3d box;
+        for (const Vector3d &v : part.mesh.vertices_mm) box.extend(v);
+        is_near(box.sizes().y(), 300, 1e-4, "length in mm");
+    }
+    Frame frame;
+    says([&] { read_one(tube, 1e-9, {}, frame); }, {"in no unit", "--unit"});
+    PartsWish wish;
+    wish.unit = "cm";
+    read_one(tube, 0.1, wish, frame);
+    assert_string_equal(frame.unit.c_str(), "cm");
+}
+
+void the_head_of_a_scan_is_found(void **)
+{
+    bake::Mesh scan = tube_mesh(3, 200, 0, tube_along, tube_around);
+    for (Vector3d &v : scan.vertices_mm) v = Vector3d(v.x(), v.z(), v.y());
+    Frame frame;
+    const Part part = read_one(scan, 1, {}, frame);
+    assert_string_equal(frame.axes.c_str(), "+x,+z,-y");
+    Eigen::AlignedBox3d box;
+    for (const Vector3d &v : part.mesh.vertices_mm) box.extend(v);
+    is_near(box.sizes().y(), 200, 1e-6, "height in mm");
+    assert_true(axes_of("-x,+z,+y").determinant() > 0);
+    bool is_refused = false;
+    try {
+        axes_of("+x,+y,-z");
+    } catch (const std::exception &fault) {
+        is_refused = std::string(fault.what()).find("mirror") != std::string::npos;
+    }
+    assert_true(is_refused);
+}
+
+void names_are_short_and_unique(void **)
+{
+    const std::vector<std::string> names =
+        short_names({"VH_M_aortic_arch", "VH_M_Left Renal", "VH_M_aortic-arch",
+                     "VH_M_posterior_descending_branch_of_something"});
+    assert_string_equal(names[0].c_str(), "aortic_arch");
+    assert_string_equal(names[1].c_str(), "left_renal");
+    assert_string_equal(names[2].c_str(), "aortic_arch_2");
+    assert_true(names[3].size() <= 27);
+    assert_true(is_artery_name("VH_M_left_renal_artery"));
+    assert_true(is_artery_name("VHF_posterior_left_ventricular_branch"));
+    assert_false(is_artery_name("VH_M_pulmonary_artery_L"));
+    assert_false(is_artery_name("VHF_posterior_vein_of_left_ventricle"));
+    assert_false(is_artery_name("VH_M_left_cardiac_atrium"));
+}
+
+// --- the whole folder ---
+
+void a_bent_tube_becomes_a_scene(void **)
+{
+    const Folder folder;
+    Choices choices;
+    SceneWish wish;
+    wish.folder = folder.path / "scene";
+    const std::vector<Part> parts = {{"tube", tube_mesh(4, 150, 60, 150, tube_around)}};
+    make_scene_folder(parts, {"mm", "+x,+y,+z", {}}, wish, choices, own_progress);
+    const centreline::Tree tree = centreline::read_tree(wish.folder / "tree.csv");
+    assert_int_equal(tree.branches.size(), 1);
+    is_near(centreline::length_mm(tree.branches[0]), 150, 0.01, "length of the centreline in mm");
+    for (const char *file : {"patient.scene", "patient.bodies", "lumen.ply", "tissue.ply", "bake.txt"})
+        assert_true(std::filesystem::file_size(wish.folder / file) > 100);
+    // The sheath's end lies in the middle of the tube.
+    const bake::SceneText text = bake::read_scene_text(wish.folder / "scene.toml", {});
+    assert_true(centreline::tests::tube_off_mm(text.entry.position_mm, 60) < 0.2);
+    const std::string written = read_text_file((wish.folder / "scene.toml").string());
+    for (const char *flag : {"--inlet", "--entry", "--branches", "--walls", "--no-bodies"})
+        contains(written, flag);
+    contains(read_text_file((wish.folder / "practice.session").string()), "advance 60 mm");
+}
+
+void a_fork_enters_at_its_lowest_wide_end(void **)
+{
+    const Folder folder;
+    Choices choices;
+    SceneWish wish;
+    wish.folder = folder.path / "scene";
+    // The trunk's end at y = -20 is the widest and the lowest.
+    make_scene_folder({{"fork", centreline::tests::fork_mesh(0.4)}}, {"mm", "+x,+y,+z", {}}, wish, choices,
+                      own_progress);
+    const centreline::Tree tree = centreline::read_tree(wish.folder / "tree.csv");
+    assert_int_equal(tree.branches.size(), 3);
+    const bake::SceneText text = bake::read_scene_text(wish.folder / "scene.toml", {});
+    assert_true(text.entry.position_mm.y() < 0);
+    assert_true(text.entry.direction.y() > 0.8);
+    wish.entry_mm = Vector3d(20, 30, 0);
+    make_scene_folder({{"fork", centreline::tests::fork_mesh(0.4)}}, {"mm", "+x,+y,+z", {}}, wish, choices,
+                      own_progress);
+    const bake::SceneText other = bake::read_scene_text(wish.folder / "scene.toml", {});
+    assert_true(other.entry.position_mm.x() > 2);
+    assert_true(other.entry.direction.y() < 0);
+}
+
+// --- real parts (../shared/anatomy) ---
+
+std::filesystem::path anatomy(const char *file)
+{
+    const char *folder = std::getenv("CRN_ANATOMY");
+    const std::filesystem::path path = std::filesystem::path(folder ? folder : "../shared/anatomy") / file;
+    if (!std::filesystem::exists(path)) {
+        print_message("skipped: no %s in $CRN_ANATOMY or ../shared/anatomy\n", file);
+        skip();
+    }
+    return path;
+}
+
+// Before, `centreline auto` ended with 0 and a tree of length 0: its inlet lay in the thin wall.
+void a_real_wall_has_a_tree(void **)
+{
+    PartsWish wish;
+    wish.files = {anatomy("hra_female/VH_F_Vasculature_v1.0.glb")};
+    wish.parts = {"VHF_pulmonary_artery_L"};
+    Choices choices;
+    Frame frame;
+    const std::vector<Part> parts = read_parts(wish, choices, frame);
+    assert_int_equal(parts.size(), 1);
+    // The mesh as it is: the solid between the sheets.
+    std::vector<std::string> notes;
+    const centreline::Lumen wall(parts[0].mesh, {}, own_progress);
+    double length_mm = 0;
+    try {
+        for (const centreline::Branch &branch :
+             centreline::fit_automatic(wall, {}, notes, own_progress).branches)
+            length_mm += centreline::length_mm(branch);
+        assert_true(length_mm > 20);
+    } catch (const Fault &fault) {
+        contains(fault.what(), "--inlet");
+    }
+    // The lumen inside the wall is several times as large.
+    const WholeLumen made = whole(parts);
+    std::printf("# lumen of a real wall: %.2f ml\n", bake::volume_mm3(made.closed) / 1000);
+    assert_true(bake::volume_mm3(made.closed) > 3 * 1535);
+    const centreline::Lumen lumen(made.surface, {}, own_progress);
+    length_mm = 0;
+    for (const centreline::Branch &branch :
+         centreline::fit_automatic(lumen, {}, notes, own_progress).branches)
+        length_mm += centreline::length_mm(branch);
+    assert_true(length_mm > 40);
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {cmocka_unit_test(a_lumen_alone_is_no_wall),
+                                cmocka_unit_test(the_lumen_of_a_wall_is_inside_its_inner_sheet),
+                                cmocka_unit_test(a_wall_may_be_taken_as_stated),
+                                cmocka_unit_test(a_good_mesh_stays_as_it_is),
+                                cmocka_unit_test(parts_that_overlap_become_one_lumen),
+                                cmocka_unit_test(a_gap_between_parts_is_bridged),
+                                cmocka_unit_test(the_unit_is_found),
+                                cmocka_unit_test(the_head_of_a_scan_is_found),
+                                cmocka_unit_test(names_are_short_and_unique),
+                                cmocka_unit_test(a_bent_tube_becomes_a_scene),
+                                cmocka_unit_test(a_fork_enters_at_its_lowest_wide_end),
+                                cmocka_unit_test(a_real_wall_has_a_tree)};
+    cmocka_set_message_output(CM_OUTPUT_TAP);
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}
