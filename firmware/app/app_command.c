@@ -54,6 +54,7 @@ static void arm(crn_app *app)
         return;
     }
     if (!lengths_fit(app)) return;
+    if (app->mode == CRN_WIRE_MODE_FREE_RUN && !crn_app_is_in_time(app)) return;
     crn_state_init(&app->model, &app->core, app->setup.inserted_um);
     int32_t depth_m_q30 = crn_state_depth(&app->model, &app->core);
     CRN_REJECT_IF(app, type, depth_m_q30 > START_DEPTH_MAX_M_Q30, CRN_REJECT_START_IN_WALL,
@@ -189,6 +190,9 @@ static void set_mode(crn_app *app, uint8_t mode)
 {
     bool is_at_rest = app->state == CRN_WIRE_STATE_READY || app->state == CRN_WIRE_STATE_ARMED;
     CRN_REJECT_IF(app, CRN_WIRE_TYPE_command, !is_at_rest, CRN_REJECT_WRONG_STATE, app->state, 0);
+    /* In READY no model is built yet, so ARM decides. */
+    if (mode == CRN_WIRE_MODE_FREE_RUN && app->state == CRN_WIRE_STATE_ARMED && !crn_app_is_in_time(app))
+        return;
     crn_app_motors_off(app);
     if (mode != app->mode) forget_hands(app);
     app->mode = mode;

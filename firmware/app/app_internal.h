@@ -62,6 +62,21 @@ void crn_app_rig(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_rig_take(crn_app *app, const crn_wire_rig *wire);
 void crn_app_track_default(crn_app_track *track, const crn_port *port);
 
+/* app_budget.c: whether the processor can compute a tick of the set-up in time */
+typedef enum crn_app_place {
+    CRN_APP_PLACE_FREE, /* no scene: no wall */
+    CRN_APP_PLACE_STILL,
+    CRN_APP_PLACE_BEATING,
+} crn_app_place;
+typedef struct crn_app_load {
+    uint32_t nodes; /* that can lie in the vessel */
+    uint32_t positions;
+    crn_app_place place;
+} crn_app_load;
+crn_app_load crn_app_load_of(const crn_app *app); /* of the model that was built */
+uint32_t crn_app_load_cycles(const crn_app_load *load);
+bool crn_app_is_in_time(crn_app *app); /* false: the request was refused */
+
 /* app_command.c: states and modes */
 void crn_app_command(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_command_take(crn_app *app, const crn_wire_command *command);

@@ -69,8 +69,7 @@ typedef enum crn_port_lamp {
 
 /* Written once per edge of the timer, and at once if a fault removes the motor power. */
 typedef struct crn_port_outputs {
-    /* all 0 unless RUNNING in FREE_RUN; 0 for a track without a tool */
-    crn_port_motor motors[CRN_PORT_TOOL_MAX];
+    crn_port_motor motors[CRN_PORT_TOOL_MAX]; /* 0 without a tool, and unless RUNNING in FREE_RUN */
     bool drive;   /* level of the drive line: flipped on every edge while power is wanted, else unchanged */
     bool enable;  /* false: remove the power now, without waiting for CRN_PORT_DRIVE_HOLD_ms */
     uint8_t lamp; /* CRN_PORT_LAMP_* */
@@ -89,8 +88,9 @@ typedef struct crn_port {
     uint8_t *scene_slots[2];    /* two buffers: the old scene stays until the new one is checked (near.md) */
     uint32_t scene_slot_bytes;  /* size of each, 4-byte aligned */
     uint32_t scene_large_bytes; /* size of both if they adjoin, for one larger scene in both; 0: none */
-    void *near_memory;   /* 32-byte aligned, for the parts of a scene that a tick reads (core/near/near.h) */
-    uint32_t near_bytes; /* size of it; 0: there is none, and scenes are read where they lie */
+    void *near_memory;    /* 32-byte aligned, for the parts of a scene that a tick reads (core/near/near.h) */
+    uint32_t near_bytes;  /* size of it; 0: there is none, and scenes are read where they lie */
+    uint32_t tick_cycles; /* of the processor in a tick; 0: FREE_RUN takes any set-up (docs/budget.md) */
     uint32_t capabilities;       /* CRN_WIRE_CAPABILITY_* that depend on the port: encoders, motors */
     uint32_t force_uN_per_count; /* of the force sensors, 0 for 1,000; hosts may change it by a quarter */
     crn_port_built built;        /* port_built.h */

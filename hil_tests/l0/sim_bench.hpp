@@ -13,6 +13,8 @@ class SimBench final : public Bench, private crn::Transport
     explicit SimBench(const PlantSettings &settings);
     ~SimBench() override;
     crn::Transport &pipe() override { return *this; }
+    // From now on the device has the processor of a board (crn_sim_set_tick_cycles).
+    void set_tick_cycles(std::uint32_t cycles) { crn_sim_set_tick_cycles(sim_, cycles); }
 
   protected:
     crn_port_outputs edge(const crn_port_inputs &inputs) override;

@@ -7,9 +7,9 @@
 namespace crn
 {
 
-std::string describe(const crn_wire_reject &reject)
+std::string describe(const crn_wire_reject &reject, const std::string &device)
 {
-    return formatted("device refused %s: %s: %s [%lu, %lu]. Remedy: %s",
+    return formatted("%s refused %s: %s: %s [%lu, %lu]. Remedy: %s", device.c_str(),
                      crn_wire_message_name(reject.request_type), crn_wire_reject_name(reject.code),
                      crn_wire_reject_text(reject.code), static_cast<unsigned long>(reject.detail1),
                      static_cast<unsigned long>(reject.detail2), crn_wire_reject_remedy(reject.code));

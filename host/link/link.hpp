@@ -186,7 +186,7 @@ class Link
     std::vector<std::uint8_t> snapshot_;
 };
 
-// "SCENE_CRC: the scene's CRC-32 differs ... (0x1, 0x2); upload again"
-std::string describe(const crn_wire_reject &reject);
+// "the device refused scene_end: SCENE_CRC: the scene's CRC-32 differs ... [1, 2]. Remedy: upload again"
+std::string describe(const crn_wire_reject &reject, const std::string &device = "the device");
 
 } // namespace crn

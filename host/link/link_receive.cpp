@@ -129,7 +129,7 @@ void Link::file_frame()
     case CRN_WIRE_TYPE_reject: {
         crn_wire_reject reject;
         if (!crn_wire_decode_reject(payload, length, &reject)) broken("reject");
-        throw LinkError(describe(reject), reject);
+        throw LinkError(describe(reject, transport_.name()), reject);
     }
     default:
         file_stream();

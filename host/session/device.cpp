@@ -54,8 +54,13 @@ Device::Device(const SceneFile &scene, std::vector<Instrument> tools, const crn_
         throw with_tool_names(error, tools_, line_);
     }
     if (!choice_.free_run) return;
-    link_->stop();
-    start_free_run();
+    try {
+        link_->stop();
+        start_free_run();
+    } catch (const LinkError &) {
+        leave(); // no destructor runs for an object that was not made
+        throw;
+    }
 }
 
 crn_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,

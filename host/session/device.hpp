@@ -105,6 +105,7 @@ class Device final : public SteppedDevice
     };
     void open();
     void set_up();
+    void leave(); // gives the device its own configuration back
     void call_witness();
     void check_identity(const crn_wire_hello_reply &reply) const;
     void keep_up();

@@ -80,6 +80,11 @@ void Device::set_up()
 
 Device::~Device()
 {
+    leave();
+}
+
+void Device::leave()
+{
     if (!choice_.may_return() || !pipe_ || !has_started_) return;
     try {
         link_->reset();

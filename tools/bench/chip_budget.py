@@ -13,7 +13,7 @@ TOOLS_FOLDER = os.path.join("shared", "examples", "instruments")
 SESSIONS = (
     ("demo", "aorta", "tools=1"),
     ("over_the_wire", "aorta", "tools=2"),
-    ("renal", "aorta", "tools=1"),
+    ("renal", "aorta", "tools=2"),
     ("coronary", "heart", "beating tools=2"),
     ("pci_renal", "renal_pci", "tools=4 stent"),
     ("pci_lad", "lad_pci", "beating tools=4 stent"),
@@ -98,6 +98,9 @@ def session_rows(build, folder, session):
     context = "session=%s %s p99.9" % (name, what)
     return list(rows_of(read, HIGH, context)) + [
         ("chip.app_cycles", read["app_cycles"][0], "cycles", context),
+        ("chip.nodes", read["nodes"][0], "nodes", context),
+        ("chip.positions", read["positions"][0], "positions", context),
+        ("chip.estimate_cycles", read["estimate"][0], "cycles", context),
         ("chip.scene_bytes", read["scene_bytes"][0], "bytes", "scene=" + scene),
     ]
 

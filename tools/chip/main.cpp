@@ -86,6 +86,8 @@ void price_recorded(const Options &options)
     for (const TickPrice &price : around) app.push_back(price.core_cycles);
     std::printf("app_cycles %.0f\n", percentile(app, 0.999));
     std::printf("scene_bytes %u\n", recording.header.scene_bytes);
+    for (const char *name : {"nodes", "positions", "estimate"})
+        std::printf("%s %u\n", name, chip.processor().call(std::string("chip_") + name));
     const NearWords near = read_near(chip.processor());
     std::printf("near_slots %u\nnear_nodes %u\n", near.slot_count, near.node_count);
     if (options.shows_functions) print_functions(chip.processor(), chip.pricer().spent(), prices.size());

@@ -42,7 +42,7 @@ enum {
     MS_OS_BYTES = 178,
 };
 
-static void put_bytes(crn_wire_writer *reply, const uint8_t *bytes, size_t count)
+void crn_usb_put_bytes(crn_wire_writer *reply, const uint8_t *bytes, size_t count)
 {
     for (size_t i = 0; i < count; i++) crn_wire_write(reply, bytes[i], 1);
 }
@@ -156,7 +156,7 @@ static void put_bos(crn_wire_writer *reply)
     crn_wire_write(reply, 0x10, 1); /* device capability */
     crn_wire_write(reply, 0x05, 1); /* platform */
     crn_wire_write(reply, 0, 1);
-    put_bytes(reply, platform, sizeof platform);
+    crn_usb_put_bytes(reply, platform, sizeof platform);
     crn_wire_write(reply, MS_OS_WINDOWS, 4);
     crn_wire_write(reply, MS_OS_BYTES, 2);
     crn_wire_write(reply, CRN_USB_REQUEST_MS_OS, 1);
@@ -185,7 +185,7 @@ bool crn_usb_ms_os_set(crn_wire_writer *reply)
 
     crn_wire_write(reply, 20, 2);
     crn_wire_write(reply, 3, 2); /* compatible id, and no sub-compatible one */
-    put_bytes(reply, compatible, sizeof compatible);
+    crn_usb_put_bytes(reply, compatible, sizeof compatible);
 
     crn_wire_write(reply, 132, 2);
     crn_wire_write(reply, 4, 2); /* registry property: a program finds the interface by it */

@@ -29,8 +29,7 @@ bool crn_usb_hid_class_descriptor(const crn_usb_setup *setup, crn_wire_writer *r
     if (setup->value >> 8 == CRN_USB_DESCRIPTOR_HID)
         crn_usb_hid_put_descriptor(reply);
     else if (setup->value >> 8 == CRN_USB_DESCRIPTOR_REPORT)
-        for (size_t i = 0; i < sizeof crn_hid_descriptor; i++)
-            crn_wire_write(reply, crn_hid_descriptor[i], 1);
+        crn_usb_put_bytes(reply, crn_hid_descriptor, sizeof crn_hid_descriptor);
     return reply->length > 0;
 }
 

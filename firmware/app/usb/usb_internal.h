@@ -67,6 +67,7 @@ extern const uint8_t crn_usb_interface_classes[CRN_USB_INTERFACE_COUNT];
 /* Writes the whole USB descriptor that the setup packet `setup` requests. False: there is none. */
 bool crn_usb_descriptor(const crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply);
 bool crn_usb_ms_os_set(crn_wire_writer *reply);
+void crn_usb_put_bytes(crn_wire_writer *reply, const uint8_t *bytes, size_t count);
 
 /* usb_control.c: stages of control transfers */
 typedef enum crn_usb_after { /* when the status stage is over */

@@ -1,7 +1,7 @@
 /* The whole device without a board: the app and the core of the image that ships for the i.MX RT1062, in the
  * memories of that board (chip.ld). The program `chip` (tools/chip) calls these functions in an emulated
  * Cortex-M7, and exchanges bytes with the app through two buffers. */
-#include "firmware/app/app.h"
+#include "firmware/app/app_internal.h"
 
 #include <string.h>
 
@@ -23,6 +23,9 @@ static uint32_t time_us;
 void chip_start(void);
 void chip_receive(uint32_t count);
 uint32_t chip_restore(void);
+uint32_t chip_nodes(void);
+uint32_t chip_positions(void);
+uint32_t chip_estimate(void);
 
 static size_t transmit_room(void *context)
 {
@@ -86,4 +89,22 @@ void chip_receive(uint32_t count)
 uint32_t chip_restore(void)
 {
     return crn_app_snapshot_put(&app, chip_in);
+}
+
+/* The nodes and positions from which the app estimates the cycles of a tick, and its estimate
+ * (firmware/app/app_budget.c). */
+uint32_t chip_nodes(void)
+{
+    return crn_app_load_of(&app).nodes;
+}
+
+uint32_t chip_positions(void)
+{
+    return crn_app_load_of(&app).positions;
+}
+
+uint32_t chip_estimate(void)
+{
+    const crn_app_load load = crn_app_load_of(&app);
+    return crn_app_load_cycles(&load);
 }

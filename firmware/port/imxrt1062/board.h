@@ -20,6 +20,9 @@
 enum {
     BOARD_AXIAL_FULL_mN = 12000,    /* force of an axial motor at full duty */
     BOARD_TORQUE_FULL_uN_m = 30000, /* torque of a rotation motor at full duty */
+    /* largest force and torque that the port orders, whatever the app asks for: the limits of the hand */
+    BOARD_AXIAL_MAX_mN = 8000,
+    BOARD_TORQUE_MAX_uN_m = 20000,
     BOARD_CURRENT_MAX_raw = 3000, /* limit of a track's current sensor: a reading above it is over-current */
     BOARD_SUPPLY_MIN_raw = 2400,  /* range of the supply's divider in which the motors' supply is good */
     BOARD_SUPPLY_MAX_raw = 3500,

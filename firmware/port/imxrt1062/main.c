@@ -32,6 +32,7 @@ static crn_port port = {
     .scene_slots = {slots[0], slots[1]},
     .near_memory = near_memory,
     .near_bytes = BOARD_NEAR_BYTES,
+    .tick_cycles = BOARD_CLOCK_HZ / 1000,
     .capabilities = CRN_WIRE_CAPABILITY_ENCODERS | CRN_WIRE_CAPABILITY_MOTORS,
     .force_uN_per_count = BOARD_FORCE_uN_per_count,
     .built = {.translation_pm_per_count = BOARD_TRANSLATION_pm_per_count,

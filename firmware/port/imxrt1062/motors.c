@@ -74,12 +74,14 @@ void motors_start(void)
     start_module(BASE_PWM3, 1u << 1);
 }
 
-static void write_one(uint32_t motor, int32_t value, int32_t full)
+/* Whatever the app's memory and code have become, no duty orders more than `most`. */
+/* Requirement: SR-28 */
+static void write_one(uint32_t motor, int32_t value, int32_t most, int32_t full)
 {
     const struct output *output = &outputs[motor];
     uint32_t at = output->base + output->submodule * SUBMODULE_BYTES, bit = 1u << output->submodule;
-    if (value > full) value = full;
-    if (value < -full) value = -full;
+    if (value > most) value = most;
+    if (value < -most) value = -most;
     uint32_t duty = (uint32_t)(value < 0 ? -value : value) * PERIOD_counts / (uint32_t)full;
     uint32_t pin = 1u << (DIRECTION_BIT + motor);
     if (value < 0) {
@@ -107,9 +109,12 @@ void motors_write(const crn_port_motor motors[CRN_PORT_TOOL_MAX])
     _Static_assert((uint64_t)BOARD_AXIAL_FULL_mN * PERIOD_counts < UINT32_MAX &&
                        (uint64_t)BOARD_TORQUE_FULL_uN_m * PERIOD_counts < UINT32_MAX,
                    "the product of force and period fits");
+    _Static_assert((int)BOARD_AXIAL_MAX_mN <= (int)BOARD_AXIAL_FULL_mN &&
+                       (int)BOARD_TORQUE_MAX_uN_m <= (int)BOARD_TORQUE_FULL_uN_m,
+                   "a duty is at most the whole period");
     for (uint32_t k = 0; k < CRN_PORT_TOOL_MAX; k++) {
-        write_one(2 * k, motors[k].axial_mN, BOARD_AXIAL_FULL_mN);
-        write_one(2 * k + 1, motors[k].torque_uN_m, BOARD_TORQUE_FULL_uN_m);
+        write_one(2 * k, motors[k].axial_mN, BOARD_AXIAL_MAX_mN, BOARD_AXIAL_FULL_mN);
+        write_one(2 * k + 1, motors[k].torque_uN_m, BOARD_TORQUE_MAX_uN_m, BOARD_TORQUE_FULL_uN_m);
     }
 }
 

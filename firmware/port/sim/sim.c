@@ -129,6 +129,11 @@ void crn_sim_set_memory(crn_sim *sim, bool joins_slots, void *near_memory, uint3
     sim->port.near_bytes = near_bytes;
 }
 
+void crn_sim_set_tick_cycles(crn_sim *sim, uint32_t tick_cycles)
+{
+    sim->port.tick_cycles = tick_cycles;
+}
+
 void crn_sim_write(crn_sim *sim, const uint8_t *bytes, size_t count)
 {
     crn_app_receive(&sim->app, bytes, count);

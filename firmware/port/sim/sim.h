@@ -24,6 +24,10 @@ void crn_sim_destroy(crn_sim *sim);
  * and parts of a scene are kept in `near_memory`, which the caller owns (crn_port). */
 void crn_sim_set_memory(crn_sim *sim, bool joins_slots, void *near_memory, uint32_t near_bytes);
 
+/* Gives the device the processor of a board, which has this many cycles in a tick; 0: a processor that
+ * computes any set-up in time. */
+void crn_sim_set_tick_cycles(crn_sim *sim, uint32_t tick_cycles);
+
 /* Lets the device use a scene in the caller's memory, without an upload (crn_app_scene_share()). */
 bool crn_sim_share_scene(crn_sim *sim, const uint8_t *bytes, uint32_t byte_count, uint32_t crc32);
 

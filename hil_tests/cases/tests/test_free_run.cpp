@@ -195,6 +195,35 @@ void motors_without_a_coupling_are_refused_with_a_remedy(void **)
     fail_msg("a rig without a coupling was powered");
 }
 
+// A tick of the J wire in free space takes more than 100,000 cycles. The device keeps LOCKSTEP for the
+// set-up, and a session follows that is not led by the rig. Requirement: SR-27
+void a_rig_too_slow_for_the_set_up_is_refused_with_figures_and_a_remedy(void **)
+{
+    Trial trial(false);
+    trial.bench.set_tick_cycles(100000);
+    std::string said;
+    try {
+        trial.run(1.0);
+    } catch (const crn::LinkError &error) {
+        said = error.what();
+        assert_int_equal(error.reject.code, CRN_REJECT_TOO_SLOW);
+    }
+    print_message("# %s\n", said.c_str());
+    assert_true(said.find("TOO_SLOW: ") != std::string::npos);
+    assert_true(said.find(", 100000]. Remedy: ") != std::string::npos);
+    crn::Link link(trial.bench.pipe());
+    link.hello();
+    assert_int_equal(link.read_status().state, CRN_WIRE_STATE_READY);
+    assert_int_equal(link.read_rig().tracks[0].coupling_N_per_m, hil::plant_rig().tracks[0].coupling_N_per_m);
+    trial.choice.free_run = false;
+    const crn::SceneFile scene = crn::read_scene("");
+    crn::Device device(scene, {crn::read_instrument("shared/examples/instruments/j_wire.toml")},
+                       crn::entry_of(scene, 1, {}), crn::host_rig(), trial.choice);
+    crn_wire_tick_input input{};
+    input.hands_count = 1;
+    assert_int_equal(device.step({&input, 1}, false).size(), 1);
+}
+
 } // namespace
 
 int main()
@@ -205,6 +234,7 @@ int main()
         cmocka_unit_test(a_long_session_resumes_from_a_snapshot),
         cmocka_unit_test(a_rig_that_stops_ends_the_session_with_the_cause),
         cmocka_unit_test(motors_without_a_coupling_are_refused_with_a_remedy),
+        cmocka_unit_test(a_rig_too_slow_for_the_set_up_is_refused_with_figures_and_a_remedy),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

@@ -128,9 +128,9 @@ void a_refused_tool_is_named_with_place_and_rule(void **)
     expect_refusal({tools[1], tools[0]}, {}, "does not pass the lumen of 'wire A' (0 mm");
     tools = three_tools();
     tools[2].table.knots[1].mass_mg_per_m = 0;
-    expect_refusal(tools, {}, "'guide C': device refused tools: TOOL_RANGE");
+    expect_refusal(tools, {}, "'guide C': the device refused tools: TOOL_RANGE");
     expect_refusal(three_tools(), {50000, 50000, 300001},
-                   "'guide C': device refused command: LENGTH_INSERTED");
+                   "'guide C': the device refused command: LENGTH_INSERTED");
     expect_refusal({}, {}, "a line holds 1 to 3 tools, not 0");
     expect_refusal({tools[0], tools[0], tools[0], tools[0]}, {}, "a line holds 1 to 3 tools, not 4");
 }

@@ -178,7 +178,7 @@ bool crn_usb_vendor(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *r
         return true;
     }
     if (setup->request != REQUEST_READ) return false;
-    for (uint32_t i = 0; i < shop->written_bytes; i++) crn_wire_write(reply, shop->written[i], 1);
+    crn_usb_put_bytes(reply, shop->written, shop->written_bytes);
     return true;
 }
 

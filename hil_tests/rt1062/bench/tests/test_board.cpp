@@ -1,6 +1,7 @@
 // Claim: the board's port reports broken wiring that the simulated rig of the other levels cannot have,
 // because that rig ends at the port's functions and not at pins.
 #include "hil_tests/cases/conversation.hpp"
+#include "hil_tests/cases/tube_scene.h"
 #include "hil_tests/rt1062/bench/board_bench.hpp"
 #include "host/link/link.hpp"
 #include <csetjmp>
@@ -8,6 +9,7 @@
 #include <cstdlib>
 #include <memory>
 #include <string>
+#include <vector>
 
 extern "C" {
 #include <cmocka.h>
@@ -86,6 +88,44 @@ void bus_error_of_any_output_takes_the_forces_at_once(void **)
     }
 }
 
+// In a vessel of 1.5 m, the whole J wire can lie: a tick of its 378 nodes takes the board more than a
+// millisecond. In LOCKSTEP the host waits for it; in the short tube, most of the wire stays outside.
+// Requirement: SR-27
+void a_line_too_long_for_the_boards_millisecond_gets_no_free_run(void **)
+{
+    const hil_piece straight = {1.5, 0.0};
+    std::vector<std::uint8_t> vessel(4u << 20);
+    vessel.resize(hil_scene_of(&straight, 1, 0.002, 0, vessel.data(), vessel.size()));
+    std::string said;
+    crn_wire_reject reject{};
+    try {
+        hil::BoardLevel level(image());
+        const std::unique_ptr<hil::Bench> bench = level.make({});
+        crn::Link link(bench->pipe());
+        hil::set_up(link);
+        link.load_scene(vessel);
+        link.arm();
+        try {
+            link.use_free_run();
+        } catch (const crn::LinkError &error) {
+            said = error.what();
+            reject = error.reject;
+        }
+        link.start();
+        const crn_wire_tick_input input = hil::sample_input(0);
+        assert_int_equal(link.step({&input, 1}, false).size(), 1);
+        link.reset();
+        link.load_scene(hil::tube_scene());
+        link.arm();
+        assert_int_equal(link.use_free_run().mode, CRN_WIRE_MODE_FREE_RUN);
+    } catch (const std::exception &error) {
+        fail_msg("%s (after '%s')", error.what(), said.c_str());
+    }
+    if (reject.code != CRN_REJECT_TOO_SLOW || reject.detail1 <= 600000 || reject.detail2 != 600000 ||
+        said.find("the emulated board refused command: TOO_SLOW") == std::string::npos)
+        fail_msg("FREE_RUN: '%s'", said.c_str());
+}
+
 // The power stage is held by edges of the drive line. If the device's millisecond straddles the rig's, two
 // edges may fall between two samples, which then have the same level.
 void two_edges_of_the_drive_line_within_a_millisecond_hold_the_power_stage(void **)
@@ -112,6 +152,7 @@ int main()
         cmocka_unit_test(two_edges_of_the_drive_line_within_a_millisecond_hold_the_power_stage),
         cmocka_unit_test(bus_error_of_any_output_takes_the_forces_at_once),
         cmocka_unit_test(fault_line_that_was_cut_before_power_up_is_over_current),
+        cmocka_unit_test(a_line_too_long_for_the_boards_millisecond_gets_no_free_run),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }
