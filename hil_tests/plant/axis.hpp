@@ -9,8 +9,9 @@
 //
 // Positions are in m or rad and positive into the patient; forces are in N or N m. A positive motor command
 // pushes the hand back out of the patient, so it accelerates the tool in the negative direction. In every
-// time step of 50 us, the frictions of the grip and of the bearing are computed together, as two impulses
-// with limits. A body at rest therefore stays exactly at rest while the force on it is below its friction.
+// time step (of 50 us, unless the settings state another), the frictions of the grip and of the bearing are
+// computed together, as two impulses with limits. A body at rest therefore stays exactly at rest while the
+// force on it is below its friction.
 #pragma once
 
 namespace hil
@@ -27,6 +28,11 @@ struct AxisSettings {
     double motor_decay_s = 0.0003; // of the current when the power stage is off
     double hand_stiffness = 600.0; // N/m
     double hand_damping = 6.0;     // N s/m
+    // Change of the frictions' impulses, as a share of the bearing's limit, at which their computation ends;
+    // 0: only when nothing changes any more. Runs of hours state a share, because the last bits may take 200
+    // sweeps.
+    double sweep_tolerance = 0.0;
+    int steps_per_ms = 20;
 };
 
 // Holds the settings for the rotation about the tool's axis, in kg m^2, N m, N m s and rad.
@@ -74,8 +80,8 @@ class Axis
     const AxisSettings &settings() const { return settings_; }
 
   private:
-    void advance(double command, bool powered);
-    void solve(double tool_free, double tool_mobility, double roller_free);
+    void advance(double command, bool powered, double step_s);
+    void solve(double tool_free, double tool_mobility, double roller_free, double step_s);
 
     AxisSettings settings_;
     Hand hand_ = Hand::prescribed;
@@ -85,6 +91,7 @@ class Axis
     double roller_ = 0.0, roller_speed_ = 0.0;
     double motor_force_ = 0.0, motor_peak_ = 0.0, hand_force_ = 0.0;
     double grip_impulse_ = 0.0;
+    double decay_ = 0.0, decay_lag_s_ = 0.0; // what the lag leaves of a difference in one time step
     bool is_slipping_ = false, is_limited_ = false;
 };
 

@@ -2,7 +2,7 @@
 ##@ For rig builders
 .PHONY: firmware firmware-board registers install-udev hil hil-full hil-faults hil-loop hil-emulator
 .PHONY: hil-machines hil-mock hil-guest hil-usbtest hil-rig
-.PHONY: hil-board hil-board-faults hil-board-mutants hil-passivity hil-lies soak
+.PHONY: hil-board hil-board-faults hil-board-mutants hil-passivity hil-lies soak hours hours-m7
 IMAGE_ARGS   = -DCRN_USB_ID=$(USB_ID)
 
 firmware: ## build the images for the emulated Cortex-M7 and a real board, and check them: build/firmware
@@ -134,3 +134,19 @@ soak: packages-build+tools+test+usb
 	@$(BUILD)/bin/soak --jobs $(JOBS) $(if $(SEED),--seed $(SEED)) $(if $(HOURS),--hours $(HOURS)) \
 	    $(if $(SESSIONS),--sessions $(SESSIONS)) $(if $(TICKS),--ticks $(TICKS)) \
 	    $(foreach scene,$(SOAK_SCENES),--scene $(scene))
+
+# A call continues a former one with the same seed. The device's clock begins so that its microseconds also wrap within
+# the hour of the emulated board.
+hours: ## run the device for 24 hours of simulated time: HOURS=1 SEED=1 (docs/soak.md, "A day of the device")
+hours: packages-build+tools+test+usb
+	$(call build,release,run$(comma)tools$(comma)tests,$(TOOLS) hours)
+	$(again) $(SCENE) $(PHANTOM_SCENE)
+	@$(BUILD)/bin/hours $(if $(SEED),--seed $(SEED)) $(if $(HOURS),--hours $(HOURS)) \
+	    --scene $(PHANTOM_SCENE) --scene $(SCENE)
+
+hours-m7: $(HIL_PACKAGES) ## run the image on the emulated Cortex-M7 for an hour of simulated time: HOURS=0.1 SEED=1
+	$(call build,release,run$(comma)tools$(comma)tests,$(TOOLS) hours)
+	$(call build,m7,run,cournand-mps2_an500)
+	$(again) $(PHANTOM_SCENE)
+	@$(BUILD)/bin/hours --m7 $(if $(SEED),--seed $(SEED)) --hours $(or $(HOURS),1) --seconds-max 20 --long-every 0 \
+	    --begin-ms 2500000 --scene free --scene $(PHANTOM_SCENE)

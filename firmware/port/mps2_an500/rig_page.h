@@ -103,6 +103,8 @@ typedef struct rig_device_half {
     rig_outputs outputs;
     rig_crash crash;
     uint32_t clock_us; /* the device's own time at the end of its last piece of work; wraps */
+    uint32_t
+        stack_free; /* bytes below the stack that nothing has written since power-up, found within a second */
 } rig_device_half;
 
 typedef struct rig_host_half {

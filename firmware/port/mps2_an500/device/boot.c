@@ -8,12 +8,36 @@ extern uint32_t data_start[], data_end[], data_load[], bss_start[], bss_end[], s
 void reset(void);
 
 enum { EXCEPTION_NMI = 2, EXCEPTION_SYSTICK = 15, EXCEPTIONS = 16, FRAME_LR = 5, FRAME_PC = 6 };
+enum { PAINT = 0x5354414b, PAINT_CLEAR_words = 32, SWEEP_words = 64 };
+
+/* The memory between the variables and the stack begins with a pattern, which shows later how far the stack
+ * has reached. */
+static void paint_stack(void)
+{
+    uint32_t *stack;
+    __asm__ volatile("mov %0, sp" : "=r"(stack));
+    for (volatile uint32_t *word = bss_end; word < stack - PAINT_CLEAR_words; word++) *word = PAINT;
+}
+
+uint32_t stack_free(void)
+{
+    static const uint32_t *low, *at; /* lowest word that was written, and the next word to look at */
+    if (low == NULL) {
+        low = stack_top;
+        at = bss_end;
+    }
+    for (int i = 0; i < SWEEP_words && at < low; i++, at++)
+        if (*(const volatile uint32_t *)at != PAINT) low = at;
+    if (at >= low) at = bss_end;
+    return (uint32_t)(low - bss_end) * (uint32_t)sizeof *low;
+}
 
 void reset(void)
 {
     const uint32_t *from = data_load;
     for (uint32_t *word = data_start; word < data_end; word++) *word = *from++;
     for (uint32_t *word = bss_start; word < bss_end; word++) *word = 0;
+    paint_stack();
     main();
 }
 

@@ -13,6 +13,9 @@ static rig_page *const rig = (rig_page *)(RIG_MEMORY_ADDRESS + RIG_PAGE_OFFSET);
 
 int main(void);
 
+/* boot.c */
+uint32_t stack_free(void); /* looks at a piece of the memory in each call; bytes that were never written */
+
 /* console.c */
 void console_start(void);
 void console_text(const char *text);

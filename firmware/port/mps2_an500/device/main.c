@@ -141,6 +141,7 @@ static void tick(void)
     rig_write(&rig->device.clock_us, clock_us());
     rig_write(&rig->device.edge_counts, counts);
     if (counts > rig->device.edge_counts_max) rig_write(&rig->device.edge_counts_max, counts);
+    rig_write(&rig->device.stack_free, stack_free());
     clock_edge_done();
 }
 
