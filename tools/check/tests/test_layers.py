@@ -421,7 +421,7 @@ ALLOWED = {
     "hil_tests/hours": ["firmware/app", "firmware/port", "hil_tests", "host", "shared"],
     "hil_tests/l1/tests": ["host/link", "hil_tests/usb", "shared"],
     "hil_tests/plant/tests": ["hil_tests/plant"],
-    # These tests exchange bytes with the device: reference/client.h is the smallest host, tools/bake computes distances.
+    # These tests exchange bytes with the device: reference/client.h is the smallest host, tools/bake computes distance.
     "hil_tests": [
         "shared",
         "hil_tests/usb",
