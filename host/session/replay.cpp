@@ -36,7 +36,7 @@ class Replayer
         pass_commands();
         begin_ = Clock::now();
         begin_tick_ = link_.tick();
-        look_when_due(true);
+        look_when_due(false);
         while (link_.tick() < recording_.ticks.size() && !is_interrupted() &&
                !result_.first_difference_tick) {
             batch();
@@ -121,10 +121,11 @@ class Replayer
     {
         const std::size_t count = batch_size();
         const std::size_t end = link_.tick() + count;
-        step(count, end == next_stop() || (patient_ && is_command_due(end)));
+        const bool has_nodes = end == next_stop() || (patient_ && is_command_due(end));
+        step(count, has_nodes);
         look_at_contacts();
         pass_commands();
-        look_when_due(false);
+        look_when_due(has_nodes);
     }
 
     // If the device disappeared and returned at this tick, the session continued from another state, which
@@ -191,12 +192,13 @@ class Replayer
         }
     }
 
-    void look_when_due(bool is_first)
+    // A look can become due in the batch that ends here, as when a catheter's tip enters the vessels.
+    void look_when_due(bool has_nodes)
     {
         const std::uint32_t tick = link_.tick();
         if (tick < next_stop()) return;
         const bool is_wanted = sink_ && tick >= sink_->next_tick();
-        if (is_first) link_.read_nodes();
+        if (!has_nodes) link_.read_nodes();
         const SessionFrame frame =
             session_frame(device_, state_, inputs_.empty() ? crn_wire_tick_input{} : inputs_.back());
         if (patient_) patient_->look(frame.wire);

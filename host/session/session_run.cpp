@@ -192,7 +192,8 @@ void SessionRun::look_when_due()
     const std::uint32_t tick = link_.tick();
     if (tick != next_stop()) return;
     const bool is_wanted = sink_ && sink_->next_tick() == tick;
-    if (tick == 0) device_.ask([](Link &link) { link.read_nodes(); });
+    // A look can become due in the batch that ends here, as when a catheter's tip enters the vessels.
+    if (!wants_nodes_) device_.ask([](Link &link) { link.read_nodes(); });
     const SessionFrame frame =
         session_frame(device_, state_, inputs_.empty() ? crn_wire_tick_input{} : inputs_.back());
     patient_.look(frame.wire);

@@ -112,8 +112,8 @@ def frames(count=5, **more):
 
 
 def touches(mask, column, row):
-    """Returns whether a pixel of the mask has its centre within 0.75 pixels, about half of a pixel's diagonal. The end
-    of a thin wire covers the centre of at least one of the pixels that meet there, and not always the one it lies in."""
+    """Returns whether a pixel of the mask has its centre within 0.75 pixels, half a pixel's diagonal. The end of a
+    thin wire covers the centre of one of the pixels that meet there, and not always of the one that it lies in."""
     rows, columns = np.nonzero(mask)
     return np.hypot(columns + 0.5 - column, rows + 0.5 - row).min() < 0.75
 

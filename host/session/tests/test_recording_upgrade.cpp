@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <unistd.h>
 #include <vector>
@@ -86,14 +87,24 @@ void expect_refusal(const Bytes &bytes, RecordingFault fault, const char *text)
     }
 }
 
-crn::ReplayResult verify(const crn::Recording &recording)
+// Plays a converted recording to its end. The old files are those of core version 15. A later core computes
+// other hashes from the same inputs, so there the replay must end as a device ends that gets these inputs one
+// by one. That the inputs are those of the old file is the subject of the tests below.
+crn::ReplayResult play(const crn::Recording &recording)
 {
     const crn::RecordingHeader &header = recording.header;
+    assert_int_equal(header.core_version, 15);
     crn::Device device(crn::read_scene(""), header.tools, header.entry, header.rig);
-    assert_int_equal(header.core_version, device.identity().core_version);
     crn::ReplaySettings settings;
-    settings.verifies = true;
-    return crn::replay_recording(device, recording, nullptr, nullptr, settings);
+    settings.verifies = device.identity().core_version == header.core_version;
+    const crn::ReplayResult result = crn::replay_recording(device, recording, nullptr, nullptr, settings);
+    if (result.first_difference_tick) fail_msg("%s", result.difference.c_str());
+    crn::Device other(crn::read_scene(""), header.tools, header.entry, header.rig);
+    for (const crn::RecordedTick &tick : recording.ticks) other.step(std::span(&tick.input, 1), false);
+    assert_true(result.hash == other.read_hash64().hash);
+    assert_int_equal(result.tick, recording.ticks.size());
+    assert_true(settings.verifies == (result.hash == recording.hashes.back().hash));
+    return result;
 }
 
 void opening_an_old_recording_names_the_command_that_converts_it(void **)
@@ -112,16 +123,13 @@ void opening_an_old_recording_names_the_command_that_converts_it(void **)
     }
 }
 
-void a_converted_recording_replays_bit_for_bit(void **)
+void a_converted_recording_is_played(void **)
 {
     const crn::Recording recording = upgraded(old_bytes());
     assert_true(recording.is_complete);
     assert_int_equal(recording.ticks.size(), ticks_count);
     assert_true(recording.hashes.back().hash == final_hash);
-    const crn::ReplayResult result = verify(recording);
-    if (result.first_difference_tick) fail_msg("%s", result.difference.c_str());
-    assert_int_equal(result.ticks_compared, ticks_count);
-    assert_true(result.hash == final_hash);
+    play(recording);
     assert_int_equal(recording.commands.size(), 2);
     assert_int_equal(recording.commands[1].tick, 300);
 }
@@ -216,7 +224,7 @@ void views_of_version_2_become_commands(void **)
     assert_true(recording.commands[2].command ==
                 (crn::RoomCommand{crn::RoomAction::table, {1000, 2000, 3000}}));
     assert_true(recording.commands[5].command == (crn::RoomCommand{crn::RoomAction::angles, {20000, 0, 0}}));
-    assert_true(verify(recording).hash == final_hash);
+    play(recording);
 }
 
 void a_recording_from_before_the_renaming_is_converted(void **)
@@ -247,7 +255,7 @@ const Bytes &protocol_5_bytes()
     return bytes;
 }
 
-void a_recording_of_protocol_5_replays_bit_for_bit(void **)
+void a_recording_of_protocol_5_is_played(void **)
 {
     const crn::Recording recording = upgraded(protocol_5_bytes());
     assert_true(recording.is_complete);
@@ -255,9 +263,7 @@ void a_recording_of_protocol_5_replays_bit_for_bit(void **)
     assert_true(recording.header.line.empty());
     assert_int_equal(recording.header.tools[1].table.whole_um, 0);
     assert_true(recording.ticks.size() > 900);
-    const crn::ReplayResult result = verify(recording);
-    if (result.first_difference_tick) fail_msg("%s", result.difference.c_str());
-    assert_int_equal(result.ticks_compared, recording.ticks.size());
+    play(recording);
 }
 
 // Converts a present snapshot to protocol 5, without the release of each tool and without the five words
@@ -376,7 +382,7 @@ void a_file_is_converted_whole_or_not_at_all(void **)
     assert_int_equal(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
     put(old_bytes());
     assert_int_equal(crn::upgrade_recording(from, to).ticks.size(), ticks_count);
-    assert_true(verify(crn::read_recording(to)).hash == final_hash);
+    play(crn::read_recording(to));
     assert_true(crn::read_binary_file(from) == old_bytes());
     assert_int_equal(std::distance(std::filesystem::directory_iterator(folder), {}), 2);
     std::filesystem::remove_all(folder);
@@ -388,14 +394,14 @@ int main()
 {
     const CMUnitTest tests[] = {
         cmocka_unit_test(opening_an_old_recording_names_the_command_that_converts_it),
-        cmocka_unit_test(a_converted_recording_replays_bit_for_bit),
+        cmocka_unit_test(a_converted_recording_is_played),
         cmocka_unit_test(what_was_nothing_costs_nothing_any_more),
         cmocka_unit_test(every_order_is_in_its_tick),
         cmocka_unit_test(a_scaffold_becomes_an_order),
         cmocka_unit_test(views_of_version_2_become_commands),
         cmocka_unit_test(a_recording_from_before_the_renaming_is_converted),
         cmocka_unit_test(what_was_cut_off_stays_cut_off),
-        cmocka_unit_test(a_recording_of_protocol_5_replays_bit_for_bit),
+        cmocka_unit_test(a_recording_of_protocol_5_is_played),
         cmocka_unit_test(a_snapshot_of_protocol_5_becomes_the_present_one),
         cmocka_unit_test(damage_is_refused),
         cmocka_unit_test(other_versions_and_schemas_are_refused_by_name),
