@@ -15,7 +15,7 @@ struct PassedOption {
 };
 
 // The options of `centreline patient` and `ct labels`, which check their values.
-constexpr PassedOption passed[] = {
+constexpr PassedOption passed_options[] = {
     {"--part", "NAME", "Only this part of the meshes; may end in *, may be repeated", -1},
     {"--label", "N", "This label of a map is a vessel; may be repeated", -1},
     {"--unit", "m|cm|mm|um", "Of the meshes; else found", 1},
@@ -35,7 +35,7 @@ constexpr PassedOption passed[] = {
 
 void add_choices(CLI::App &command, PatientCommandOptions &options)
 {
-    for (const PassedOption &option : passed) {
+    for (const PassedOption &option : passed_options) {
         const std::string name = option.name;
         const auto keep = [&options, name](const std::vector<std::string> &values) {
             options.choices.emplace_back(name, values);
