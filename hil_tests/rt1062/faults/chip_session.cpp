@@ -153,6 +153,7 @@ class ChipSession
     std::uint32_t ms_ = 0, off_ms_ = 0, strange_ms_ = 0, late_frames_ = 0;
     std::uint64_t last_frame_ = 0;
     double was_safe_since_ms_ = -1;
+    std::uint64_t felt_at_ = 0; // instant from which the time without force counts; 0: not yet
     bool has_been_off_ = false;
 };
 
@@ -185,10 +186,14 @@ void ChipSession::observe(const ChipFault &drawn, ChipOutcome &outcome, double u
         fail(outcome,
              text("the actuator gives %.3f N and %.2f mN m", outcome.peak_N, outcome.peak_N_m * 1e3));
     if (!chip()->fault.has_begun) return;
+    // The plant reads the motors' inputs once a millisecond, so a wrong input acts from now on, and only now
+    // can the driver report its limit; every other fault counts from its own instant.
+    if (felt_at_ == 0) felt_at_ = drawn.is_of_motor ? chip()->now : chip()->fault.struck_at;
     if (has_force())
         was_safe_since_ms_ = -1;
     else if (was_safe_since_ms_ < 0)
-        was_safe_since_ms_ = since_ms() + (drawn.must == Must::no_force ? frame_age_ms() : 0);
+        was_safe_since_ms_ =
+            ms_of(chip()->now - felt_at_) + (drawn.must == Must::no_force ? frame_age_ms() : 0);
     const bool is_on = plant.is_stage_on();
     off_ms_ = is_on ? 0 : off_ms_ + 1;
     if (is_on && has_been_off_) fail(outcome, "the power came back without START");
@@ -222,7 +227,8 @@ void ChipSession::end(const ChipFault &drawn, ChipOutcome &outcome)
     const double bar = bar_ms(drawn.safe_class);
     outcome.bar_ms = bar;
     if (drawn.must != Must::no_force && is_on) fail(outcome, "the power is on");
-    if (outcome.safe_ms < 0 || outcome.safe_ms > bar)
+    constexpr double instruction_ms = 0.01; // a millisecond of the chip ends with its last instruction
+    if (outcome.safe_ms < 0 || outcome.safe_ms > bar + instruction_ms)
         fail(outcome, text("no force after %.2f ms, allowed %.0f", outcome.safe_ms, bar));
     if (drawn.must == Must::restart && !has_restarted) fail(outcome, "the watchdog has not reset the chip");
 }
