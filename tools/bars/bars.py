@@ -29,7 +29,7 @@ import run_bench  # noqa: E402
 LIST = os.path.join("tools", "bars", "bars.tsv")
 TABLE = os.path.join("out", "bars.tsv")
 SCENE = os.path.join("out", "aorta.scene")
-SESSION_TICKS = 25000
+SESSION_TICKS = 20000
 
 Bar = collections.namedtuple("Bar", "name op limit asked issue since source kind")
 
