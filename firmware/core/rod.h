@@ -200,6 +200,17 @@ static inline uint32_t crn_lead_tool(const crn_model *model, const crn_state_wor
     return lead;
 }
 
+/* Returns the number of the edge that contains tool k's tip, or free_count when the tool is still in the
+ * introducer sheath. */
+static inline uint32_t crn_tip_edge(const crn_model *model, const crn_state *state, uint32_t k)
+{
+    uint32_t j = 0;
+    while (j < state->words.free_count && model->mesh[j + 1].arc_m_q30 <= state->line.offset_m_q30[k]) {
+        j++;
+    }
+    return j;
+}
+
 /* Returns a set of bits. Bit k is 1 when the stress-free shape of tool k is curved at one of the joints of
  * edge j, so that the tool's material frame must be known there. */
 static inline uint32_t crn_edge_curved(const crn_state *state, uint32_t j)

@@ -124,16 +124,6 @@ static inline void inner_moment(const crn_state *state, uint32_t pair, uint32_t 
     }
 }
 
-/* Returns the edge that contains a tip, or free_count when the tip is still in the introducer sheath. */
-static uint32_t edge_of_tip(const crn_model *model, const crn_state *state, int32_t offset_m_q30)
-{
-    uint32_t j = 0;
-    while (j < state->words.free_count && model->mesh[j + 1].arc_m_q30 <= offset_m_q30) {
-        j++;
-    }
-    return j;
-}
-
 /* Returns the axial force of all tools together in an edge, + in tension, Q22 N. */
 static int32_t line_axial(const crn_state *state, uint32_t edge)
 {
@@ -285,11 +275,10 @@ static void grip_edges(const crn_model *model, crn_state *state, uint32_t pair, 
 static void grip_pair(const crn_model *model, crn_state *state, uint32_t pair)
 {
     const uint32_t around = crn_tool_around(model, &state->words, pair);
-    const int32_t own_m_q30 = state->line.offset_m_q30[pair];
-    const int32_t outer_m_q30 = state->line.offset_m_q30[around];
-    const uint32_t tip_edge = edge_of_tip(model, state, outer_m_q30);
-    const uint32_t first = own_m_q30 > outer_m_q30 ? edge_of_tip(model, state, own_m_q30) : tip_edge;
-    follow_tip_axial(state, pair, around, tip_edge, &state->words.tools[pair]);
+    const uint32_t inner_edge = crn_tip_edge(model, state, pair);
+    const uint32_t outer_edge = crn_tip_edge(model, state, around);
+    const uint32_t first = inner_edge > outer_edge ? inner_edge : outer_edge; /* with both tools */
+    follow_tip_axial(state, pair, around, outer_edge, &state->words.tools[pair]);
     for (uint32_t j = 0; j < first; j++) {
         state->scratch.nodes[j].u.a.press_N_m_q30[pair] = 0;
         state->scratch.nodes[j].u.a.grip_N_m_q26[pair] = 0;

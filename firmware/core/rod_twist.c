@@ -320,17 +320,6 @@ static inline __attribute__((always_inline)) void substitute(crn_state *state, u
     }
 }
 
-/* Returns the number of the edge that contains tool k's tip, or free_count when the tool is still in the
- * introducer sheath. */
-static uint32_t tip_edge(const crn_model *model, const crn_state *state, uint32_t k)
-{
-    uint32_t j = 0;
-    while (j < state->words.free_count && model->mesh[j + 1].arc_m_q30 <= state->line.offset_m_q30[k]) {
-        j++;
-    }
-    return j;
-}
-
 /* In validation cases, adds a spring of 16 N m/rad that holds the first edge of tool 0. The spring that holds
  * the edge enters the equations in the same form as a rest shape. */
 static void hold_turn(const crn_model *model, const crn_state *state, twist_carry *carry)
@@ -347,7 +336,7 @@ static inline __attribute__((always_inline)) void twist_tool(const crn_model *mo
 {
     twist_carry carry = {0, 0, 0, 0, 0};
     uint32_t na = state->words.free_count;
-    uint32_t first = tip_edge(model, state, k);
+    uint32_t first = crn_tip_edge(model, state, k);
     state->scratch.torque_N_m_q30[k] = 0;
     if (k == 0 && first == 0 && model->hold.turn) {
         hold_turn(model, state, &carry);
