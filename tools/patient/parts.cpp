@@ -2,12 +2,11 @@
 #include "host/base/format.hpp"
 #include "host/base/output_files.hpp"
 #include "tools/bake/fault.hpp"
+#include "tools/centreline/fit/axes.hpp"
 #include "tools/mesh/files/mesh_file.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <map>
-#include <sstream>
 
 namespace crn::patient
 {
@@ -147,20 +146,7 @@ std::string axes_for(const std::vector<RawPart> &parts, const PartsWish &wish, C
 
 Eigen::Matrix3d axes_of(const std::string &text)
 {
-    Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
-    std::istringstream words(text);
-    std::string word;
-    int row = 0;
-    for (; std::getline(words, word, ','); ++row) {
-        const std::size_t axis = word.size() == 2 ? std::string("xyz").find(word[1]) : std::string::npos;
-        if (row > 2 || axis == std::string::npos || (word[0] != '+' && word[0] != '-')) break;
-        axes(row, static_cast<int>(axis)) = word[0] == '+' ? 1 : -1;
-    }
-    if (row != 3 || axes.determinant() < 0.5)
-        throw UsageError(
-            "--axes " + text +
-            ": name each of x, y and z once with its sign, like +x,+z,-y, without a mirror; or lps, ras");
-    return axes;
+    return centreline::turned_axes(text, "; or lps, ras");
 }
 
 bool is_artery_name(const std::string &name)

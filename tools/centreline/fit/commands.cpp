@@ -3,6 +3,7 @@
 #include "tools/centreline/fit/commands.hpp"
 #include "host/base/output_files.hpp"
 #include "tools/bake/bake.hpp"
+#include "tools/centreline/fit/axes.hpp"
 #include "tools/centreline/fit/carry.hpp"
 #include "tools/centreline/fit/editor.hpp"
 #include "tools/centreline/fit/tree_picture.hpp"
@@ -11,7 +12,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <sstream>
 
 namespace crn::centreline
 {
@@ -91,25 +91,6 @@ int finish(const Options &options, Tree &tree, const Lumen &lumen, const std::ve
     std::printf("written %s: %zu branches, %zu spheres, voxels of %.2f mm\n", options.output.c_str(),
                 tree.branches.size(), sphere_count(tree), lumen.voxels().voxel_mm());
     return 0;
-}
-
-// A text such as "+x,+z,-y" gives, for each axis of the output, the corresponding axis of the file and its
-// sign.
-Eigen::Matrix3d turned_axes(const std::string &text)
-{
-    Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
-    std::istringstream words(text);
-    std::string word;
-    int row = 0;
-    for (; std::getline(words, word, ','); ++row) {
-        const std::size_t axis = word.size() == 2 ? std::string("xyz").find(word[1]) : std::string::npos;
-        if (row > 2 || axis == std::string::npos || (word[0] != '+' && word[0] != '-')) break;
-        axes(row, static_cast<int>(axis)) = word[0] == '+' ? 1 : -1;
-    }
-    if (row != 3 || axes.determinant() < 0.5)
-        throw UsageError("--axes " + text +
-                         ": name each of x, y and z once with its sign, like +x,+z,-y, without a mirror");
-    return axes;
 }
 
 std::string frame_file(const std::string &folder, std::size_t number, std::size_t count)
