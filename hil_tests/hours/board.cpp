@@ -11,34 +11,22 @@ namespace hours
 namespace
 {
 
-constexpr int polls_per_frame = 2;                       // bInterval 3 at high speed: every 500 us
-constexpr std::int64_t packet_ps = 10 * ps_per_us;       // a packet of 512 bytes at high speed
-constexpr std::int64_t retry_ps = 125 * ps_per_us;       // a microframe
-constexpr int retries_max = 40000, waits_max = 100000;   // 5 s; polls of the device
-constexpr std::uint32_t rest_us = 20;                    // an edge without a tick
-constexpr std::uint64_t us_per_wrap = UINT64_C(1) << 32; // of the device's clock: 71.6 minutes
+constexpr int polls_per_frame = 2;                     // bInterval 3 at high speed: every 500 us
+constexpr std::int64_t packet_ps = 10 * ps_per_us;     // a packet of 512 bytes at high speed
+constexpr std::int64_t retry_ps = 125 * ps_per_us;     // a microframe
+constexpr int retries_max = 40000, waits_max = 100000; // 5 s; polls of the device
+constexpr std::uint32_t rest_us = 20;                  // an edge without a tick
 
 // The distribution is that of the aorta session on the emulated board at 600 instructions per us
 // (docs/hil.md).
 constexpr std::uint32_t tick_us_min = 420, tick_us_range = 160, slow_every = 1000, slow_us_min = 600,
                         slow_us_range = 330, late_us_min = 1100, late_us_range = 800, edge_us = 1000;
 
-hil::PlantSettings quick_plant(std::uint64_t seed)
-{
-    constexpr double tolerance = 1e-9;
-    constexpr int steps_per_ms = 2; // enough for hands that lead the tools
-    hil::PlantSettings settings;
-    settings.seed = seed;
-    settings.translation.sweep_tolerance = settings.rotation.sweep_tolerance = tolerance;
-    settings.translation.steps_per_ms = settings.rotation.steps_per_ms = steps_per_ms;
-    return settings;
-}
-
 } // namespace
 
 Board::Board(const BoardSettings &settings)
-    : settings_(settings), plant_(quick_plant(settings.seed)), random_(settings.seed * 3 + 1),
-      frames_(settings.seed), mailbox_(BusHost::mailbox_bytes)
+    : Station(settings.seed), settings_(settings), random_(settings.seed * 3 + 1), frames_(settings.seed),
+      mailbox_(BusHost::mailbox_bytes)
 {
     const hours_hardware around = hardware();
     device_.reset(hours_device_create(&around, mailbox_.data()));
@@ -272,11 +260,6 @@ std::size_t Board::read(std::span<std::uint8_t> bytes)
 }
 
 // --- the judge ---
-
-void Board::note(const std::string &trouble)
-{
-    if (ledger_.trouble.empty()) ledger_.trouble = trouble;
-}
 
 // Every frame that reached the device must be counted, though the register has only eleven bits, and edges
 // and frames must differ by what the two crystals make, less than one of either.

@@ -19,14 +19,12 @@ struct BoardSettings {
     std::uint64_t begin_ms = 0;
 };
 
-class Board final : public Station, private crn::Transport
+class Board final : public Station
 {
   public:
     explicit Board(const BoardSettings &settings); // throws std::bad_alloc, std::runtime_error
     ~Board() override;
     const char *kind() const override { return "host"; }
-    crn::Transport &pipe() override { return *this; }
-    hil::Plant &plant() override { return plant_; }
     void pass_ms(std::uint32_t milliseconds) override;
     void stall(std::uint32_t milliseconds) override;
     void pull_cable(std::uint32_t milliseconds) override;
@@ -42,8 +40,6 @@ class Board final : public Station, private crn::Transport
     // Transport
     void write(std::span<const std::uint8_t> bytes) override;
     std::size_t read(std::span<std::uint8_t> bytes) override;
-    void pass_time_ms(std::uint32_t milliseconds) override { pass_ms(milliseconds); }
-    bool has_own_clock() const override { return false; }
 
     hours_hardware hardware();
     std::uint32_t now_us() const;
@@ -60,10 +56,8 @@ class Board final : public Station, private crn::Transport
     void check_frames(const hours_counts &counts);
     void check_reports(const hours_counts &counts);
     void plug();
-    void note(const std::string &trouble);
 
     BoardSettings settings_;
-    hil::Plant plant_;
     hil::Random random_;
     Frames frames_;
     std::vector<std::uint8_t> mailbox_;
@@ -91,7 +85,6 @@ class Board final : public Station, private crn::Transport
     std::uint64_t reports_ = 0;
     hours_counts plugged_{};
     Ledger before_; // the sums of the device's earlier lives
-    Ledger ledger_;
 };
 
 } // namespace hours

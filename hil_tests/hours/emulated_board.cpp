@@ -21,24 +21,12 @@ constexpr int naks_of_nothing = 4;       // the device answers the bus between t
 constexpr int retries_max = 100000;
 constexpr double edge_max_us = 1000.0;
 constexpr std::uint32_t stack_free_min = 1024;
-constexpr std::uint64_t us_per_wrap = UINT64_C(1) << 32;
-
-hil::PlantSettings emulated_plant(std::uint64_t seed)
-{
-    constexpr double tolerance = 1e-9;
-    constexpr int steps_per_ms = 2;
-    hil::PlantSettings settings;
-    settings.seed = seed;
-    settings.translation.sweep_tolerance = settings.rotation.sweep_tolerance = tolerance;
-    settings.translation.steps_per_ms = settings.rotation.steps_per_ms = steps_per_ms;
-    return settings;
-}
 
 } // namespace
 
 EmulatedBoard::EmulatedBoard(std::uint64_t seed, std::uint64_t begin_ms)
-    : plant_(emulated_plant(seed)), frames_(seed),
-      emulator_({.icount_shift = icount_shift, .serial = "HOURS-0002"}), begin_ms_(begin_ms)
+    : Station(seed), frames_(seed), emulator_({.icount_shift = icount_shift, .serial = "HOURS-0002"}),
+      begin_ms_(begin_ms)
 {
     prctl(PR_SET_TIMERSLACK, 1UL); // short sleeps while the emulator works
     bus_ = std::make_unique<BusHost>(
@@ -53,11 +41,6 @@ bool EmulatedBoard::wait_a_little()
     if (++looks_ < looks_before_sleep) return true;
     usleep(sleep_us);
     return looks_ < looks_max && !crn::is_interrupted();
-}
-
-void EmulatedBoard::note(const std::string &trouble)
-{
-    if (ledger_.trouble.empty()) ledger_.trouble = trouble;
 }
 
 // --- power and cable ---

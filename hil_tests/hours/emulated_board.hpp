@@ -10,14 +10,12 @@
 namespace hours
 {
 
-class EmulatedBoard final : public Station, private crn::Transport
+class EmulatedBoard final : public Station
 {
   public:
     EmulatedBoard(std::uint64_t seed, std::uint64_t begin_ms); // throws EmulatorError, std::runtime_error
     ~EmulatedBoard() override;
     const char *kind() const override { return "m7"; }
-    crn::Transport &pipe() override { return *this; }
-    hil::Plant &plant() override { return plant_; }
     void pass_ms(std::uint32_t milliseconds) override;
     void stall(std::uint32_t milliseconds) override;
     void pull_cable(std::uint32_t milliseconds) override;
@@ -30,8 +28,6 @@ class EmulatedBoard final : public Station, private crn::Transport
   private:
     void write(std::span<const std::uint8_t> bytes) override;
     std::size_t read(std::span<std::uint8_t> bytes) override;
-    void pass_time_ms(std::uint32_t milliseconds) override { pass_ms(milliseconds); }
-    bool has_own_clock() const override { return false; }
 
     bool wait_a_little();
     void pass_frames();
@@ -39,10 +35,8 @@ class EmulatedBoard final : public Station, private crn::Transport
     void begin_life();
     void plug();
     void drop_waiting();
-    void note(const std::string &trouble);
     std::uint32_t edges_done();
 
-    hil::Plant plant_;
     Frames frames_;
     crn::Emulator emulator_;
     std::unique_ptr<BusHost> bus_;
@@ -53,7 +47,6 @@ class EmulatedBoard final : public Station, private crn::Transport
     std::uint32_t edge_begin_ = 0; // the page's number of the edge at power-up
     std::uint64_t edges_this_life_ = 0;
     std::uint64_t reports_ = 0, edges_at_plug_ = 0; // since the cable is in
-    Ledger ledger_;
 };
 
 } // namespace hours

@@ -32,13 +32,14 @@ struct Ledger {
     std::string trouble; // the first violation; empty: none
 };
 
-class Station
+inline constexpr std::uint64_t us_per_wrap = UINT64_C(1) << 32; // of the device's clock: 71.6 minutes
+
+class Station : private crn::Transport
 {
   public:
-    virtual ~Station() = default;
     virtual const char *kind() const = 0;
-    virtual crn::Transport &pipe() = 0;
-    virtual hil::Plant &plant() = 0;
+    crn::Transport &pipe() { return *this; }
+    hil::Plant &plant() { return plant_; }
     virtual void pass_ms(std::uint32_t milliseconds) = 0;
     virtual void stall(std::uint32_t milliseconds) = 0;      // the processor stands still, the rig does not
     virtual void pull_cable(std::uint32_t milliseconds) = 0; // it is plugged in again afterwards
@@ -51,6 +52,18 @@ class Station
     {
         return 0;
     } // bytes that the device's stack has never reached; 0: unknown
+
+  protected:
+    explicit Station(std::uint64_t seed);  // of the plant
+    void note(const std::string &trouble); // the first one stays
+
+    hil::Plant plant_;
+    Ledger ledger_;
+
+  private:
+    // Transport; the stations have its bytes
+    void pass_time_ms(std::uint32_t milliseconds) override { pass_ms(milliseconds); }
+    bool has_own_clock() const override { return false; }
 };
 
 } // namespace hours
