@@ -305,9 +305,9 @@ class Maker:
 
 def seconds_of(wanted, report):
     """Returns the time in a film, in seconds, of the moment that a text describes. The text that describes the moment
-    is a number of seconds, `end`, `expect N` or `run N at S`. The text `expect N` stands for the moment at which the
-    session's Nth expectation was checked. The text `run N at S` stands for S seconds after the beginning of the Nth
-    X-ray run."""
+    is a number of seconds, `end`, `expect N`, `run N at S` or `fluoroscopy N at S`. The text `expect N` stands for the
+    moment at which the session's Nth expectation was checked. The texts `run N at S` and `fluoroscopy N at S` stand for
+    S seconds after the beginning of the Nth X-ray run, or of the Nth time that the pedal of fluoroscopy was down."""
     if not isinstance(wanted, str):
         return wanted
     words = wanted.split()
@@ -315,14 +315,19 @@ def seconds_of(wanted, report):
         return report["ticks"] * 1e-3
     if words[0] == "expect" and len(words) == 2:
         return report["expected"][int(words[1]) - 1]["at_s"]
-    if words[0] == "run" and words[2:3] == ["at"] and len(words) == 4:
-        for one in report["room"]["irradiations"]:
-            if one["run"] == int(words[1]) and one["begin_s"] + float(words[3]) <= one["end_s"]:
+    if words[0] in ("run", "fluoroscopy") and words[2:3] == ["at"] and len(words) == 4:
+        beams = report["room"]["irradiations"]
+        if words[0] == "run":
+            numbered = [(one["run"], one) for one in beams]
+        else:
+            numbered = list(enumerate((one for one in beams if one["kind"] == "fluoroscopy"), 1))
+        for number, one in numbered:
+            if number == int(words[1]) and one["begin_s"] + float(words[3]) <= one["end_s"]:
                 return one["begin_s"] + float(words[3])
         raise PictureError(
-            "no X-ray run %s that lasts %s s; see `irradiations` of the film's report" % (words[1], words[3])
+            "no X-ray %s %s that lasts %s s; see `irradiations` of the film's report" % (words[0], words[1], words[3])
         )
-    raise PictureError("'%s' is no moment: seconds, end, expect N or run N at S" % wanted)
+    raise PictureError("'%s' is no moment: seconds, end, expect N, run N at S or fluoroscopy N at S" % wanted)
 
 
 def main():

@@ -103,21 +103,28 @@ def check_moments(tap):
     report = {
         "ticks": 60000,
         "expected": [{"at_s": 12.5}],
-        "room": {"irradiations": [{"run": 2, "begin_s": 40.0, "end_s": 44.0}]},
+        "room": {
+            "irradiations": [
+                {"kind": "fluoroscopy", "run": 0, "begin_s": 0.0, "end_s": 9.0},
+                {"kind": "fluoroscopy", "run": 0, "begin_s": 20.0, "end_s": 22.0},
+                {"kind": "cine", "run": 2, "begin_s": 40.0, "end_s": 44.0},
+            ]
+        },
     }
     maker = pictures.Maker({})
     maker.reports["a"] = report
     picture = {"file": "a.jpg", "film": "a"}
-    found = [maker.moment(picture, at) for at in (7.5, "expect 1", "run 2 at 1.5", "end")]
+    found = [maker.moment(picture, at) for at in (7.5, "expect 1", "run 2 at 1.5", "fluoroscopy 2 at 1.5", "end")]
     tap.claim(
-        found == [7.5, 12.5, 41.5, 59.9],
-        "a moment is seconds, an expectation, a place in a run, or the end",
+        found == [7.5, 12.5, 41.5, 21.5, 59.9],
+        "a moment is seconds, an expectation, a place in a run or in a fluoroscopy, or the end",
         str(found),
     )
     for at, why in (
         (67.3, "ends after 60.0 s"),
         ("run 2 at 5", "no X-ray run 2"),
         ("run 1 at 1", "no X-ray run 1"),
+        ("fluoroscopy 2 at 3", "no X-ray fluoroscopy 2"),
         ("soon", "is no moment"),
     ):
         try:
