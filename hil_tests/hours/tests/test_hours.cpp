@@ -13,6 +13,7 @@
 #include "hil_tests/cases/cases.hpp"
 #include "hil_tests/hours/board.hpp"
 #include "hil_tests/hours/campaign.hpp"
+#include "hil_tests/hours/emulated_board.hpp"
 
 extern "C" {
 #include <cmocka.h>
@@ -104,6 +105,18 @@ void a_device_without_late_ticks_has_no_overrun(void **)
     assert_int_equal(board.look().overruns, 0);
 }
 
+// The rig's clock may have run for longer than half a turn of the microseconds, 35.8 minutes, when the device gets
+// its power.
+void an_emulated_board_finds_a_halt_whatever_time_the_rig_has(void **)
+{
+    constexpr std::uint64_t half_a_turn_ms = wrap_ms / 2;
+    hours::EmulatedBoard board(3, half_a_turn_ms + 300000);
+    const hours::Played played = hours::play(board, free_space(), plan_of(hours::Disturbance::stall));
+    assert_no_trouble(board.look());
+    assert_int_equal(played.faults, 1);
+    assert_int_equal(played.faults_unplanned, 0);
+}
+
 hours::CampaignSettings short_campaign(const std::string &path, double seconds)
 {
     hours::CampaignSettings settings;
@@ -172,6 +185,7 @@ int main()
         cmocka_unit_test(every_disturbance_keeps_every_count),
         cmocka_unit_test(ticks_and_frames_differ_by_what_the_crystals_make),
         cmocka_unit_test(a_device_without_late_ticks_has_no_overrun),
+        cmocka_unit_test(an_emulated_board_finds_a_halt_whatever_time_the_rig_has),
         cmocka_unit_test(a_campaign_goes_on_where_it_stopped),
         cmocka_unit_test(every_broken_promise_is_told),
     };

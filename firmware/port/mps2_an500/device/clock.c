@@ -17,6 +17,7 @@ static struct {
     uint32_t counts_last, counts_rest, us;
     volatile uint32_t edges; /* edges of the board's timer */
     uint32_t edges_done;
+    bool follows_plant; /* the clock has been set to the plant's time */
 } clock;
 
 void clock_start(void)
@@ -71,13 +72,16 @@ uint32_t clock_work_begin(void)
 }
 
 /* If the rig's model (the plant) provides the clock, sets the device's clock to the beginning of the plant's
- * present millisecond. The clock is never set back, so a device that is late with its work stays late. */
+ * present millisecond. From the second millisecond on the clock is never set back, so a device that is late
+ * with its work stays late. The first one sets the clock in any case: the plant may have run for hours. */
 void clock_edge_begin(void)
 {
     clock_work_begin();
-    if (!is_plants()) return;
+    const bool is_first = !clock.follows_plant;
+    clock.follows_plant = is_plants();
+    if (!clock.follows_plant) return;
     uint32_t begin_us = rig->host.milliseconds * 1000;
-    if (begin_us - clock.us > INT32_MAX) return;
+    if (!is_first && begin_us - clock.us > INT32_MAX) return;
     clock.us = begin_us;
     clock.counts_rest = 0;
 }
