@@ -9,7 +9,7 @@
 #include "host/model/units.hpp"
 #include "host/script/hand_motion.hpp"
 #include "host/script/session.hpp"
-#include "host/session/device.hpp"
+#include "host/session/run.hpp"
 #include <algorithm>
 #include <optional>
 
@@ -163,7 +163,7 @@ class Player
         }
         plant.inflator_raw = input.inflator_raw;
         plant.buttons = input.buttons;
-        if (input.orders.items_count > 0) link_.give_orders(input.orders);
+        crn::send_orders(link_, input.orders);
     }
 
     void rest_hands()

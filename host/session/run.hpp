@@ -41,8 +41,10 @@ struct RunResult {
 
 // In a FREE_RUN session, this function sends the commands of the simulated patient to the core. Every call of
 // this function sends the commands of one tick, because a device can store only a few commands. If the device
-// did not carry out a command, the patient repeats the command later.
+// did not carry out a command, the patient repeats the command later. A device that has gone, or has stopped
+// by a fault, gets nothing: the next request finds out. Throws LinkError if the device refuses a command.
 void send_orders(Link &link, Patient &patient);
+void send_orders(Link &link, const crn_wire_order_list &orders);
 
 // `recorder` and `sink` may be nullptr. Throws LinkError, RecordingError.
 RunResult run_session(SteppedDevice &device, Patient &patient, const Session &session, Recorder *recorder,

@@ -15,12 +15,21 @@ void send_orders(Link &link, Patient &patient)
 {
     crn_wire_order_list orders{};
     patient.give_orders(orders);
+    send_orders(link, orders);
+}
+
+void send_orders(Link &link, const crn_wire_order_list &orders)
+{
     if (orders.items_count == 0) return;
     try {
         link.give_orders(orders);
     } catch (const DeviceLost &) {
         // An error in sending is ignored, because the next request also finds that the device has
         // disappeared, and waits for its return.
+    } catch (const LinkError &error) {
+        // A device that has just stopped by a fault takes no orders. The next request reports that fault,
+        // which is the cause.
+        if (error.reject.code != CRN_REJECT_WRONG_STATE) throw;
     }
 }
 

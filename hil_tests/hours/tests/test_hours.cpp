@@ -105,8 +105,8 @@ void a_device_without_late_ticks_has_no_overrun(void **)
     assert_int_equal(board.look().overruns, 0);
 }
 
-// The rig's clock may have run for longer than half a turn of the microseconds, 35.8 minutes, when the device gets
-// its power.
+// The rig's clock may have run for longer than half a turn of the microseconds, 35.8 minutes, when the device
+// gets its power.
 void an_emulated_board_finds_a_halt_whatever_time_the_rig_has(void **)
 {
     constexpr std::uint64_t half_a_turn_ms = wrap_ms / 2;
