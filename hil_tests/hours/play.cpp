@@ -129,6 +129,8 @@ class Player
         for (crn_wire_hand &hand : before_) hand = {};
         for (std::uint32_t ms = 0; ms < plan_.run_ms && !is_stopped_; ms++) {
             if (disturbance != Disturbance::none && ms == plan_.disturb_ms) {
+                talk(); // a fault of the last few milliseconds comes before the disturbance
+                if (is_stopped_) break;
                 if (!disturb(disturbance)) return;
                 continue;
             }
@@ -138,6 +140,7 @@ class Player
             if (ms % host_every_ms == 0) talk();
         }
         rest_hands();
+        if (!is_stopped_) talk();
         if (is_stopped_)
             recover(0);
         else
