@@ -4,7 +4,6 @@ permits. Prints TAP."""
 
 import os
 import re
-
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
@@ -263,6 +262,7 @@ ALLOWED = {
     "tools/centreline/tests": ["tools/centreline", "tools/bake", "tools/mesh", "host/model", "host/base"],
     "tools/centreline/program": COMMAND_LINE + ["tools/centreline/fit", "tools/patient", "host/cli/parse.hpp"],
     "tools/patient": ["tools/centreline", "tools/bake", "tools/mesh", "host/base", "shared/scene/scene.h"],
+    "tools/patient/tests": ["tools", "host/base", "host/model", "host/effects"],
     "tools/anatomy": [
         "shared",
         "host/model",
