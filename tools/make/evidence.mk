@@ -1,7 +1,8 @@
 # The evidence: the thesis, references, calibration, other projects (tools/lab).
 ##@ For makers of evidence
 .PHONY: test-hours tracker deep-baseline
-.PHONY: lab test-lab thesis table51 calibrate validate literature validate-centreline bench-peers bench-xray-peers importers
+.PHONY: lab test-lab thesis table51 calibrate validate literature validate-centreline bench-peers bench-xray-peers
+.PHONY: importers
 LAB = run$(comma)tools$(comma)lab
 
 lab: packages-build+tools+lab ## build every program of tools/lab

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace crn::literature
 {
@@ -43,15 +44,37 @@ std::string identified(const Table &table)
     return table.source + " (" + table.identifier + ")";
 }
 
+// Counts letters, not bytes of UTF-8.
+std::size_t letters(const std::string &text)
+{
+    return std::size_t(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+// Wraps an item of a list, as the documents of the repository are wrapped.
+std::string item(const std::string &text)
+{
+    constexpr std::size_t line_letters = 120;
+    std::string out, line = "-";
+    std::istringstream words(text);
+    for (std::string word; words >> word;) {
+        if (letters(line) + 1 + letters(word) > line_letters) {
+            out += line + "\n";
+            line = " ";
+        }
+        line += " " + word;
+    }
+    return out + line + "\n";
+}
+
 std::string section(const Measured &one)
 {
     const Table &table = *one.table;
     std::string out = "### " + table.title + "\n`" + table.name + "`, **" + one.verdict() + "**\n\n";
-    out += "- **Source.** " + identified(table) + "\n";
-    out += "- **Experiment.** " + table.experiment + "\n";
-    out += "- **Simulation.** " + table.simulation + "\n";
-    out += "- **Spread.** " + table.spread + "\n";
-    out += "- **Result.** " + table.comment + "\n\n";
+    out += item("**Source.** " + identified(table));
+    out += item("**Experiment.** " + table.experiment);
+    out += item("**Simulation.** " + table.simulation);
+    out += item("**Spread.** " + table.spread);
+    out += item("**Result.** " + table.comment) + "\n";
     if (!one.failure.empty()) return out + "The experiment stopped: " + one.failure + "\n\n";
     out += "| figure | unit | published | ours | distance | |\n|---|---|---|---|---|---|\n";
     for (const Row &row : table.rows) {
@@ -115,13 +138,13 @@ std::string markdown(const std::vector<Measured> &all, const std::vector<Table> 
     out += "\n## Validations\n" + sections(all, Kind::validation);
     out += "## Inputs, not validation\nHere the published figure is an input of the simulator, or the "
            "simulator was "
-           "adjusted to it. The experiment shows only that the input comes out again.\n\n" +
+           "adjusted to it. The\nexperiment shows only that the input comes out again.\n\n" +
            sections(all, Kind::input);
     out += "## Not reproducible\n";
     for (const Table &table : tables) {
         if (table.kind != Kind::not_reproducible) continue;
-        out += "- **" + table.title + ".** " + identified(table) + ". " + table.experiment + " " +
-               table.comment + "\n";
+        out += item("**" + table.title + ".** " + identified(table) + ". " + table.experiment + " " +
+                    table.comment);
     }
     return out;
 }

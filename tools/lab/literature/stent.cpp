@@ -77,8 +77,8 @@ void write_artery(const fs::path &folder, double calcified_deg)
            "level_max = 2\ntolerance_mm = 0.05\n[tree]\ncentrelines = [\"artery.csv\"]\n"
            "flow_ml_min = { artery = 60 }\n[entry]\nposition_mm = [0, 2, 0]\ndirection = [0, 1, 0]\n"
            "[[lesion]]\nname = \"plaque\"\nbranch = \"artery\"\nat_mm = "
-        << lesion_mm << "\nlength_mm = 12\nstenosis_percent = 65\nyield_kPa = "
-        << 300 + 2 * calcified_deg << '\n';
+        << lesion_mm << "\nlength_mm = 12\nstenosis_percent = 65\nyield_kPa = " << 300 + 2 * calcified_deg
+        << '\n';
 }
 
 struct Deployed {
