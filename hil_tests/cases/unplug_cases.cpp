@@ -14,6 +14,9 @@ namespace
 
 constexpr std::uint32_t away_ms = 60, batch = 64, pulls_per_session = 2;
 constexpr int attempts_max = 6;
+// A device in an emulator beside other work may need long for a scene; a pulled cable is told, not waited
+// for.
+constexpr crn::Patience::Span patience{60000};
 
 // Simulates a cable for test benches that have no real cable.
 class Cable final : public crn::Transport
@@ -87,7 +90,7 @@ class Traveller
     {
         for (int attempt = 0; attempt < attempts_max; attempt++) {
             try {
-                link_.emplace(cable_);
+                link_.emplace(cable_, patience);
                 link_->hello();
                 if (!goes_on()) begin();
                 return finish(ticks);

@@ -19,7 +19,7 @@ struct BoardSettings {
     std::uint64_t begin_ms = 0;
 };
 
-class Board final : public Station
+class Board : public Station
 {
   public:
     explicit Board(const BoardSettings &settings); // throws std::bad_alloc, std::runtime_error

@@ -48,5 +48,8 @@ bool is_kept(const Sums &sums, std::string &why);
 // One edge in 5,000 may be late: the simulated processor makes one tick in 20,000 too long, and after it up
 // to three more edges wait for the delay to be made up.
 inline constexpr double late_share_max = 2e-4;
+// An interrupt may come for the first time while the chain of calls is at its deepest: 32 bytes of registers,
+// 4 of padding, and the handler's own words. What grows again and again soon exceeds this.
+inline constexpr std::uint64_t stack_growth_max_bytes = 64;
 
 } // namespace hours

@@ -15,6 +15,25 @@ std::size_t before(const FlowCells &cells, const VesselLesion &lesion, const Flo
     return upstream < 0 ? first : static_cast<std::size_t>(upstream);
 }
 
+bool is_coronary(VesselBed bed)
+{
+    return bed == VesselBed::left_coronary || bed == VesselBed::right_coronary;
+}
+
+// Returns whether blood that passes a cell enters a bed of the heart. A cell comes after the one that feeds
+// it.
+bool feeds_the_heart(const FlowCells &cells, std::size_t from)
+{
+    std::vector<bool> is_behind(cells.size(), false);
+    is_behind[from] = true;
+    for (std::size_t i = from; i < cells.size(); ++i) {
+        const int upstream = cells[i].upstream;
+        if (upstream >= 0 && is_behind[static_cast<std::size_t>(upstream)]) is_behind[i] = true;
+        if (is_behind[i] && cells[i].outlet_ml_s > 0.0 && is_coronary(cells[i].bed)) return true;
+    }
+    return false;
+}
+
 } // namespace
 
 double LesionFigures::diameter_percent() const
@@ -60,6 +79,7 @@ std::vector<LesionFigures> lesion_figures(const VesselTree &tree, double viscosi
         figures.hyperaemic_flow_ml_s = hyperaemia.inflow_ml_s(hyperaemia.run_of(throat.cell));
         figures.hyperaemic_drop_mmHg = drop(hyperaemia);
         figures.ffr = hyperaemia.pressure_mmHg(throat.behind) / open.pressure_mmHg;
+        figures.is_coronary = feeds_the_heart(cells, throat.cell);
         all.push_back(figures);
     }
     return all;

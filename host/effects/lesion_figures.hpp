@@ -22,6 +22,9 @@ struct LesionFigures {
     // Fractional flow reserve (FFR) is the pressure behind the lesion divided by the pressure in the aorta,
     // both relative to the veins, in hyperaemia.
     double ffr = 1.0;
+    // Whether blood from the lesion enters beds of the heart. If not, hyperaemia changes nothing behind it,
+    // and its hyperaemic figures are those of resting flow.
+    bool is_coronary = false;
 
     double diameter_percent() const; // share of the reference that is missing
     double area_percent() const;

@@ -95,11 +95,13 @@ std::string lesions_table(const Json &report)
                        "class=n>Before</th><th class=n>After</th>"
                        "<th class=n>Narrowest before</th><th class=n>after</th><th class=n>FFR "
                        "before</th><th class=n>after</th></tr>\n";
+    bool has_resting = false;
     for (const Json &lesion : report["lesions"]) {
         const Json after = lesion.contains("after") ? lesion["after"] : Json::object();
         const auto of = [](const Json &from, const char *key) {
             return page_figure(from.contains(key) ? from[key] : Json());
         };
+        if (page_text(lesion, "ffr_flow") == "resting") has_resting = true;
         html += "<tr><td>" + page_text(lesion, "name") + "</td><td>" + page_text(lesion, "branch") +
                 "</td><td class=n>" + of(lesion, "stenosis_diameter_pct") + " %</td><td class=n>" +
                 of(after, "stenosis_diameter_pct") + " %</td><td class=n>" +
@@ -107,7 +109,11 @@ std::string lesions_table(const Json &report)
                 of(after, "minimum_diameter_mm") + " mm</td><td class=n>" + of(lesion, "ffr") +
                 "</td><td class=n>" + of(after, "ffr") + "</td></tr>\n";
     }
-    return html + "</table>\n";
+    html += "</table>\n";
+    if (has_resting)
+        html += "<p class=soft>A pressure ratio of a vessel that is not marked as a coronary artery is with "
+                "resting flow, so it is no FFR.</p>\n";
+    return html;
 }
 
 std::string stents_table(const Json &report)

@@ -129,10 +129,11 @@ void Room::carry_out(std::uint32_t tick, const RoomCommand &command)
         if (beam_.is_on && !beam_.is_acquired && !is_fluoro_down_) end_beam(tick);
         break;
     case RoomAction::acquire_pedal:
+        if (value == 1) refuse_second_run(tick);
+        if (value == 0) release_acquisition(tick);
         is_acquire_armed_ = value == 1 && (is_acquire_armed_ || !is_acquire_down_);
         is_acquire_down_ = value == 1;
         if (beam_.is_on && beam_.is_acquired && !is_acquire_down_) end_beam(tick);
-        if (!is_acquire_down_) release_acquisition(tick);
         break;
     case RoomAction::program:
         program_ = value == 1 ? RunKind::dsa : RunKind::cine;
@@ -246,17 +247,47 @@ void Room::press_pedals(std::uint32_t tick)
     }
 }
 
-// If the user released the pedal before the motors came to rest, no run is made, and the user must be
-// informed.
+// If the user released the pedal before the run began, no run is made, and the user must be informed.
 void Room::release_acquisition(std::uint32_t tick)
 {
-    if (is_acquire_waiting_) {
-        const std::string why = "NO " + name_of_program() +
-                                " RUN - the pedal went up while the C-arm or the table was still moving";
-        notify(tick, why);
-        refusals_.push_back({tick, why + "; wait until it stands, or hold the pedal longer"});
-    }
+    if (is_acquire_waiting_)
+        refuse(tick, no_run() + "the pedal went up while the C-arm or the table was still moving",
+               "wait until it stands, or hold the pedal longer");
+    else if (is_acquire_armed_)
+        refuse(tick, no_run() + "the pedal went up at the moment at which it went down",
+               "hold the pedal while the run lasts");
     is_acquire_waiting_ = is_acquire_armed_ = false;
+}
+
+// A pedal that is down cannot be pressed. The run of another program needs a new press.
+void Room::refuse_second_run(std::uint32_t tick)
+{
+    if (!is_acquire_down_ || !beam_.is_on || !beam_.is_acquired || beam_.kind == program_) return;
+    refuse(tick, no_run() + "the pedal is still down for another run",
+           "release it first, then press it again");
+}
+
+void Room::refuse(std::uint32_t tick, const std::string &why, const std::string &remedy)
+{
+    notify(tick, why);
+    refusals_.push_back({tick, why + "; " + remedy});
+}
+
+// A run that waits for the motors while the session ends was never made.
+std::vector<Refusal> Room::refusals() const
+{
+    std::vector<Refusal> all = refusals_;
+    const bool is_ordered = std::any_of(queue_.begin(), queue_.end(), [](const Queued &queued) {
+        return queued.command.action == RoomAction::acquire_pedal && queued.command.values[0] == 1;
+    });
+    const auto tick = static_cast<std::uint32_t>(std::max<std::int64_t>(tick_, 0));
+    if (is_acquire_waiting_)
+        all.push_back({tick, no_run() + "the session ended while the C-arm or the table was still moving; "
+                                        "let it stand, then press the pedal"});
+    else if (is_acquire_armed_ || is_ordered)
+        all.push_back({tick, "NO RUN - the session ended at the moment at which the pedal went down; "
+                             "hold the pedal while the run lasts"});
+    return all;
 }
 
 void Room::begin_beam(std::uint32_t tick, bool is_acquired)

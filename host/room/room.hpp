@@ -108,8 +108,9 @@ class Room
     const Gantry &gantry() const { return gantry_; }
     const DoseMeter &dose() const { return dose_; }
     const std::vector<RoomRun> &runs() const { return runs_; }
-    // Returns the presses of a pedal that did not start a run, with the reasons.
-    const std::vector<Refusal> &refusals() const { return refusals_; }
+    // Returns the presses of a pedal that did not start a run, with the reasons, as if the session ended now:
+    // a run that still waits for the motors is among them.
+    std::vector<Refusal> refusals() const;
     bool is_beam_on() const { return beam_.is_on; }
     double field_m() const { return field_um_ * 1e-6; }
     std::int64_t tick() const { return tick_; } // the last processed tick; -1: none
@@ -145,7 +146,10 @@ class Room
     void store_fluoro(std::uint32_t tick, std::uint32_t milliseconds);
     void notify(std::uint32_t tick, const std::string &text);
     void release_acquisition(std::uint32_t tick);
+    void refuse_second_run(std::uint32_t tick);
+    void refuse(std::uint32_t tick, const std::string &why, const std::string &remedy);
     std::string name_of_program() const { return program_ == RunKind::dsa ? "DSA" : "CINE"; }
+    std::string no_run() const { return "NO " + name_of_program() + " RUN - "; }
     RoomEvent &tell(RoomEvent::Kind kind, std::uint32_t tick);
     int count_frame(double pulses_per_s);
     int keep_run(RunKind kind, double pulses_per_s, std::uint32_t frames);

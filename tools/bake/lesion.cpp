@@ -318,6 +318,19 @@ BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const L
     return body;
 }
 
+// Whether blood that passes a branch may enter a bed of the heart.
+static bool leads_to_the_heart(const VesselTree &tree, std::size_t branch)
+{
+    std::vector<bool> is_behind(tree.branches.size(), false);
+    for (std::size_t b = branch; b < tree.branches.size(); ++b) { // parents come before their branches
+        const VesselBranch &one = tree.branches[b];
+        is_behind[b] = b == branch || (one.parent >= 0 && is_behind[static_cast<std::size_t>(one.parent)]);
+        if (is_behind[b] && (one.bed == VesselBed::left_coronary || one.bed == VesselBed::right_coronary))
+            return true;
+    }
+    return false;
+}
+
 std::string lesions_report(const VesselTree &tree, const TriangleTree &surface)
 {
     std::string report;
@@ -337,6 +350,10 @@ std::string lesions_report(const VesselTree &tree, const TriangleTree &surface)
                       place_text(branch.points_m[throat] * 1e3).c_str(), 100 * (1 - left),
                       100 * (1 - left * left), measured_mm);
         report += line;
+        if (!leads_to_the_heart(tree, lesion.branch))
+            report += "note: " + branch.name +
+                      " is not among left_coronary and right_coronary of [tree], so the " + "FFR of " +
+                      lesion.name + " is with resting flow\n";
         const double wanted_mm = left * reference_mm, off_mm = std::abs(measured_mm - wanted_mm);
         if (off_mm <= std::max(throat_off_mm, throat_off_share * wanted_mm)) continue;
         line = formatted(

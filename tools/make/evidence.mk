@@ -1,6 +1,6 @@
 # The evidence: the thesis, references, calibration, other projects (tools/lab).
 ##@ For makers of evidence
-.PHONY: test-hours tracker deep-baseline
+.PHONY: test-hours tracker deep-baseline mutants
 .PHONY: lab test-lab thesis table51 calibrate validate literature validate-centreline bench-peers bench-xray-peers
 .PHONY: importers
 LAB = run$(comma)tools$(comma)lab
@@ -35,6 +35,11 @@ literature: ## repeat published measurements; write out/literature.tsv and docs/
 literature: packages-build+tools+lab
 	$(call build,release,$(LAB),literature)
 	@$(BUILD)/bin/literature --jobs $(JOBS) $(if $(ONLY),--only $(ONLY),--docs docs/literature.md)
+
+mutants: ## make the core wrong 200 times: does a test notice? out/mutants.tsv (ONLY=name: those alone; docs/mutants.md)
+mutants: packages-build+tools+lab+test
+	$(call build,release,$(LAB)$(comma)tests,mutant_tests)
+	@tools/mutants/mutants.py --build $(BUILD) --jobs $(JOBS) --only "$(ONLY)"
 
 validate-centreline: ## recover the stEVE_bench curves from their surface (needs ../shared/anatomy)
 validate-centreline: packages-build+tools+test

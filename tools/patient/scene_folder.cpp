@@ -7,6 +7,7 @@
 #include "tools/bake/fault.hpp"
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/formats.hpp"
+#include "tools/patient/coronary.hpp"
 #include "tools/patient/naming.hpp"
 
 #include <algorithm>
@@ -127,6 +128,22 @@ void name_tree(Tree &tree, const std::vector<Part> &parts, const WholeLumen &lum
     }
     choices.add("names", formatted("%s, %zu branches", names.c_str(), tree.branches.size()), why,
                 "--branches aorta, parts or numbers; tree.csv may be changed");
+}
+
+// Without the names of coronary arteries, no bed opens in hyperaemia.
+CoronaryBranches find_coronaries(const Tree &tree, const std::vector<Part> &parts, Choices &choices)
+{
+    const CoronaryBranches found = coronary_branches(tree, parts.size() == 1 ? parts[0].name : "");
+    const std::size_t count = found.left.size() + found.right.size();
+    choices.add(
+        "coronaries",
+        found.is_empty() ? "none" : formatted("%zu of %zu branches", count, tree.branches.size()),
+        found.is_empty()
+            ? "no name is that of one: FFR of lesions is with resting flow"
+            : "by their names, with their branches: FFR there is with hyperaemic flow, elsewhere with "
+              "resting flow",
+        "left_coronary and right_coronary of scene.toml may be changed");
+    return found;
 }
 
 // Ways are found on a grid: two voxels across the thinnest part, as far as three million voxels allow.
@@ -308,7 +325,7 @@ std::string bodies_text(const SceneWish &wish, const Frame &frame)
 }
 
 std::string scene_text(const SceneWish &wish, const Frame &frame, const Tree &tree, const Entry &entry,
-                       const Choices &choices, double thinnest_mm)
+                       const Choices &choices, double thinnest_mm, const CoronaryBranches &coronaries)
 {
     std::string text =
         "# Made by `cournand patient new --mesh`. It may be changed and baked again:\n"
@@ -321,7 +338,7 @@ std::string scene_text(const SceneWish &wish, const Frame &frame, const Tree &tr
     // Voxels of 0.24 mm describe arteries that are a few voxels wide; they take more memory.
     if (thinnest_mm < 1.0) text += "level_max = 2\n";
     text += "\n[tree]\ncentrelines = [\"tree.csv\"]\ninlet = \"" + tree.branches.front().name +
-            "\"\ninlet_end = \"first\"\n";
+            "\"\ninlet_end = \"first\"\n" + coronaries.scene_text();
     text += formatted("\n[entry]\nposition_mm = [%.3f, %.3f, %.3f]\ndirection = [%.5f, %.5f, %.5f]\n",
                       entry.place_mm.x(), entry.place_mm.y(), entry.place_mm.z(), entry.direction.x(),
                       entry.direction.y(), entry.direction.z());
@@ -408,6 +425,7 @@ void make_scene_folder(const std::vector<Part> &parts, const Frame &frame, const
                 bake::place_text(inlet.centre_mm) + formatted(", of a vessel of radius %.1f mm", inlet_mm),
                 inlet_why, "--inlet x y z");
     name_tree(tree, parts, lumen, wish, choices);
+    const CoronaryBranches coronaries = find_coronaries(tree, parts, choices);
     const bake::TriangleTree wall(lumen.closed);
     std::string why;
     const TreeEnd end = chosen_end(tree, wish, why);
@@ -431,7 +449,7 @@ void make_scene_folder(const std::vector<Part> &parts, const Frame &frame, const
     centreline::write_tree(wish.folder / "tree.csv", tree);
     if (wish.has_bodies) bake::write_ply(tissue_around(lumen.closed, widest_mm), wish.folder / "tissue.ply");
     write_whole_file((wish.folder / "scene.toml").string(),
-                     scene_text(wish, frame, tree, entry, choices, thinnest_mm));
+                     scene_text(wish, frame, tree, entry, choices, thinnest_mm, coronaries));
     bake::Options options;
     options.scene = wish.folder / "scene.toml";
     options.output = wish.folder / "patient.scene";

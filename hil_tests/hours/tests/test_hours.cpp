@@ -117,6 +117,39 @@ void an_emulated_board_finds_a_halt_whatever_time_the_rig_has(void **)
     assert_int_equal(played.faults_unplanned, 0);
 }
 
+// Somebody presses the stop button of this rig for one of its milliseconds.
+class PressedBoard : public hours::Board
+{
+  public:
+    explicit PressedBoard(std::uint32_t press_ms) : Board({.seed = 5}), press_ms_(press_ms) {}
+    void pass_ms(std::uint32_t milliseconds) override
+    {
+        passed_ms_ += milliseconds;
+        plant().emergency_stop = passed_ms_ == press_ms_;
+        Board::pass_ms(milliseconds);
+    }
+
+  private:
+    std::uint32_t press_ms_, passed_ms_ = 0;
+};
+
+// The host hears of a fault every 8 ms. A run that ends, or is disturbed, in between has still met that
+// fault.
+void a_fault_between_two_looks_of_the_host_is_found(void **)
+{
+    constexpr std::uint32_t set_up_ms = 3, run_ms = 1500;
+    hours::Plan plan = plan_of(hours::Disturbance::none);
+    plan.wraps_encoders = false;
+    PressedBoard at_end(set_up_ms + run_ms - 1);
+    assert_int_equal(hours::play(at_end, free_space(), plan).faults_unplanned, 1);
+    assert_no_trouble(at_end.look());
+
+    plan.disturbance = hours::Disturbance::cable;
+    PressedBoard before_disturbance(set_up_ms + plan.disturb_ms);
+    const hours::Played played = hours::play(before_disturbance, free_space(), plan);
+    assert_int_equal(played.faults_unplanned, 1);
+}
+
 hours::CampaignSettings short_campaign(const std::string &path, double seconds)
 {
     hours::CampaignSettings settings;
@@ -160,6 +193,8 @@ void every_broken_promise_is_told(void **)
     good.edges = good.edges_done = good.ticks = 1000000;
     std::string why;
     assert_true(hours::is_kept(good, why));
+    good.stack_growth = 36; // an interrupt at the deepest place
+    assert_true(hours::is_kept(good, why));
     const auto is_told = [&](auto change) {
         hours::Sums sums = good;
         change(sums);
@@ -174,7 +209,7 @@ void every_broken_promise_is_told(void **)
     assert_true(is_told([](hours::Sums &sums) { sums.reports_lost = 1; }));
     assert_true(is_told([](hours::Sums &sums) { sums.leak_bytes = 16; }));
     assert_true(is_told([](hours::Sums &sums) { sums.leak_files = 1; }));
-    assert_true(is_told([](hours::Sums &sums) { sums.stack_growth = 8; }));
+    assert_true(is_told([](hours::Sums &sums) { sums.stack_growth = 68; }));
 }
 
 } // namespace
@@ -186,6 +221,7 @@ int main()
         cmocka_unit_test(ticks_and_frames_differ_by_what_the_crystals_make),
         cmocka_unit_test(a_device_without_late_ticks_has_no_overrun),
         cmocka_unit_test(an_emulated_board_finds_a_halt_whatever_time_the_rig_has),
+        cmocka_unit_test(a_fault_between_two_looks_of_the_host_is_found),
         cmocka_unit_test(a_campaign_goes_on_where_it_stopped),
         cmocka_unit_test(every_broken_promise_is_told),
     };

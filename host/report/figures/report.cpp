@@ -139,7 +139,8 @@ nlohmann::ordered_json lesion_report(const LesionFigures &f)
             {"rest_drop_mmHg", f.rest_drop_mmHg},
             {"hyperaemic_flow_ml_min", f.hyperaemic_flow_ml_s * 60.0},
             {"hyperaemic_drop_mmHg", f.hyperaemic_drop_mmHg},
-            {"ffr", f.ffr}};
+            {"ffr", f.ffr},
+            {"ffr_flow", f.is_coronary ? "hyperaemic" : "resting"}};
 }
 
 // Reports for each lesion how narrow it is, and its effect on the blood flow at rest and in hyperaemia.

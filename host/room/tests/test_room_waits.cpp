@@ -46,6 +46,13 @@ struct WaitBench {
     std::uint32_t now = 0, begin_tick = 0; // of the first run
 };
 
+// The session, if it ended now, has refused one request, for this reason.
+void check_refused(const WaitBench &bench, const char *why)
+{
+    assert_int_equal(bench.room.refusals().size(), 1);
+    assert_non_null(std::strstr(bench.room.refusals()[0].why.c_str(), why));
+}
+
 // The C-arm turns by 30 degrees in 1.2 s + 0.625 s, because its speed is 25 degrees/s and its acceleration is
 // 40 degrees/s^2. The test commands this turn of the C-arm at tick 1, so the run must begin at tick 1826 or
 // 1827.
@@ -98,6 +105,56 @@ static void a_pedal_that_goes_up_too_early_makes_no_run_and_the_room_says_why(vo
     assert_int_equal(bench.room.refusals().size(), 1);
     assert_int_equal(bench.room.refusals()[0].tick, 300);
     assert_non_null(std::strstr(bench.room.refusals()[0].why.c_str(), "hold the pedal longer"));
+}
+
+// Nobody is left without a word: a session that ends while a run waits, a pedal that goes up in the
+// millisecond in which it went down, and a run that is ordered while the pedal of another program's run is
+// still down.
+static void a_run_that_still_waits_when_the_session_ends_is_refused(void **)
+{
+    WaitBench bench;
+    bench.run_to(1);
+    bench.ask(RoomAction::table, 100'000, 0, 0);
+    bench.run_to(100);
+    bench.ask(RoomAction::program, 1);
+    bench.ask(RoomAction::acquire_pedal, 1);
+    check_refused(bench, "NO RUN - the session ended at the moment");
+    bench.run_to(300);
+    check_refused(bench, "NO DSA RUN - the session ended while the C-arm or the table was still moving");
+    bench.run_to(3000);
+    assert_true(bench.room.refusals().empty()); // the run has begun
+    assert_int_equal(bench.screen.store().runs().size(), 1);
+}
+
+static void a_pedal_that_goes_up_at_once_makes_no_run_and_the_room_says_why(void **)
+{
+    WaitBench bench;
+    bench.run_to(10);
+    bench.ask(RoomAction::program, 1);
+    bench.ask(RoomAction::acquire_pedal, 1);
+    bench.ask(RoomAction::acquire_pedal, 0);
+    bench.run_to(12);
+    assert_true(bench.notice_has("NO DSA RUN - the pedal went up at the moment"));
+    bench.run_to(500);
+    assert_int_equal(bench.screen.store().runs().size(), 0);
+    check_refused(bench, "hold the pedal while the run lasts");
+}
+
+static void a_run_ordered_during_the_run_of_another_program_is_refused(void **)
+{
+    WaitBench bench;
+    bench.run_to(10);
+    bench.ask(RoomAction::acquire_pedal, 1); // cine
+    bench.run_to(500);
+    bench.ask(RoomAction::acquire_pedal, 1); // again the same: the run simply goes on
+    bench.run_to(600);
+    assert_true(bench.room.refusals().empty());
+    bench.ask(RoomAction::program, 1);
+    bench.ask(RoomAction::acquire_pedal, 1);
+    bench.run_to(700);
+    assert_true(bench.notice_has("NO DSA RUN - the pedal is still down for another run"));
+    check_refused(bench, "release it first, then press it again");
+    assert_true(bench.screen.status().kind == RunKind::cine && bench.room.is_beam_on());
 }
 
 // A run that was made must not count as refused; nor must a run that was requested while the motors were at
@@ -171,6 +228,9 @@ int main()
         cmocka_unit_test(dsa_waits_for_the_motors_and_they_reach_their_target),
         cmocka_unit_test(cine_waits_for_the_motors_and_they_reach_their_target),
         cmocka_unit_test(a_pedal_that_goes_up_too_early_makes_no_run_and_the_room_says_why),
+        cmocka_unit_test(a_run_that_still_waits_when_the_session_ends_is_refused),
+        cmocka_unit_test(a_pedal_that_goes_up_at_once_makes_no_run_and_the_room_says_why),
+        cmocka_unit_test(a_run_ordered_during_the_run_of_another_program_is_refused),
         cmocka_unit_test(a_pedal_on_a_room_that_stands_is_never_refused),
         cmocka_unit_test(fluoroscopy_goes_on_while_a_run_waits),
         cmocka_unit_test(a_table_that_follows_a_tip_comes_to_rest_for_a_run),

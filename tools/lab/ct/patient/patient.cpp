@@ -13,6 +13,7 @@
 #include "tools/lab/ct/patient/xray_pictures.hpp"
 #include "tools/lab/ct/surface.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
+#include "tools/patient/coronary.hpp"
 #include "tools/patient/entry.hpp"
 #include "tools/patient/naming.hpp"
 #include <algorithm>
@@ -212,10 +213,11 @@ void write_scene_text(const Patient &patient, const centreline::Tree &tree, cons
         "# Made by `ct patient`. It may be changed and baked again: bake scene.toml -o patient.scene\n"
         "[scene]\nname = \"Patient\"\nsource = \"ct patient, from a CT; de-identified\"\n\n"
         "[lumen]\nmesh = \"lumen.ply\"\nunit = \"mm\"\n\n"
-        "[tree]\ncentrelines = [\"tree.csv\"]\ninlet = \"%s\"\ninlet_end = \"first\"\n\n"
+        "[tree]\ncentrelines = [\"tree.csv\"]\ninlet = \"%s\"\ninlet_end = \"first\"\n%s\n"
         "[entry]\nposition_mm = [%.3f, %.3f, %.3f]\ndirection = [%.5f, %.5f, %.5f]\n",
-        tree.branches.front().name.c_str(), entry.place_mm.x(), entry.place_mm.y(), entry.place_mm.z(),
-        entry.direction.x(), entry.direction.y(), entry.direction.z());
+        tree.branches.front().name.c_str(), patient::coronary_branches(tree, "").scene_text().c_str(),
+        entry.place_mm.x(), entry.place_mm.y(), entry.place_mm.z(), entry.direction.x(), entry.direction.y(),
+        entry.direction.z());
     write_whole_file(in(patient, "scene.toml").string(), text);
 }
 
