@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <tuple>
 
 namespace crn::literature
 {
@@ -131,10 +132,18 @@ Figures normal_reserves()
 Figures regional_reserves()
 {
     const VesselTree tree = heart_flow_tree();
-    return {{{"left_main", reserve(tree, "LM", 0.5)},
-             {"lad", reserve(tree, "LAD", 0.1)},
-             {"lcx", reserve(tree, "LCX", 0.2)}},
-            {}};
+    Figures figures;
+    for (auto [name, branch, share] :
+         {std::tuple{"left_main", "LM", 0.5}, {"lad", "LAD", 0.1}, {"lcx", "LCX", 0.2}}) {
+        const std::string place = name;
+        figures.values[place] = reserve(tree, branch, share);
+        // The catheter's wide beam shows the mean of the cross-section, half of the velocity on the axis.
+        const Doppler rest = doppler(tree, branch, share, 1),
+                      hyperaemia = doppler(tree, branch, share, hyperaemia_openness);
+        figures.values[place + "_rest"] = rest.mean(0, rest.cm_s.size()) / 2;
+        figures.values[place + "_hyperaemia"] = hyperaemia.mean(0, hyperaemia.cm_s.size()) / 2;
+    }
+    return figures;
 }
 
 Figures lad_velocities()

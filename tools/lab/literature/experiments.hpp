@@ -32,5 +32,6 @@ std::vector<Experiment> coronary_experiments();
 std::vector<Experiment> stenosis_experiments();
 std::vector<Experiment> beam_experiments();
 std::vector<Experiment> stent_experiments();
+std::vector<Experiment> flush_experiments();
 
 } // namespace crn::literature

@@ -1,5 +1,6 @@
 // Measures how the arteries of the shipped heart move with heartbeat and breath, as angiography and CT do.
 #include "tools/anatomy/heart_sequence.hpp"
+#include "tools/anatomy/soft/breath.hpp"
 #include "tools/anatomy/vessel_file.hpp"
 #include "tools/lab/literature/experiments.hpp"
 
@@ -199,13 +200,23 @@ Figures breath_of_the_heart()
             {}};
 }
 
+// The tops of the domes of the shipped patient, whose heart does not beat.
+Figures domes()
+{
+    const anatomy::VesselTree arteries = anatomy::shipped_vessels("aorta");
+    const anatomy::Breath breath(arteries, {});
+    const auto descent_mm = [&](const Vec3 &top) { return top.y() - breath.inhaled(top).y(); };
+    return {{{"right", descent_mm({-62, 77, 8})}, {"left", descent_mm({62, 65, 8})}}, {}};
+}
+
 } // namespace
 
 std::vector<Experiment> motion_experiments()
 {
     return {{"coronary_rest", rest_periods},
             {"coronary_speed", slice_speeds},
-            {"heart_breath", breath_of_the_heart}};
+            {"heart_breath", breath_of_the_heart},
+            {"diaphragm_breath", domes}};
 }
 
 } // namespace crn::literature

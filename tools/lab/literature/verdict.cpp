@@ -46,10 +46,11 @@ void check_complete(const Table &table, const Figures &figures)
         if (!std::isfinite(found->second))
             throw std::runtime_error("the figure '" + row.name + "' is no finite number");
     }
-    for (const auto &[name, value] : figures.values) {
-        if (std::none_of(table.rows.begin(), table.rows.end(),
-                         [&](const Row &row) { return row.name == name; }))
-            throw std::runtime_error("the figure '" + name + "' has no row in " + table.name + ".toml");
+    for (const auto &figure : figures.values) {
+        const auto is_its_row = [&](const Row &row) { return row.name == figure.first; };
+        if (std::none_of(table.rows.begin(), table.rows.end(), is_its_row))
+            throw std::runtime_error("the figure '" + figure.first + "' has no row in " + table.name +
+                                     ".toml");
     }
 }
 
