@@ -107,7 +107,7 @@ void write_results(const std::vector<Measured> &all, const std::vector<Table> &t
             crn::write_whole_file(pictures + "/" + one.table->name + "_" + std::to_string(k + 1) + ".svg",
                                   crn::validate::svg(one.figures.curves[k]));
     }
-    crn::write_whole_file(options.folder + "/literature.tsv", tsv(all));
+    crn::write_whole_file(options.folder + "/literature.tsv", tsv(all, options.only.empty()));
     if (!options.docs.empty())
         crn::validate::write_between_marks(options.docs, "literature", markdown(all, tables));
 }

@@ -95,7 +95,7 @@ std::string sections(const std::vector<Measured> &all, Kind kind)
 
 } // namespace
 
-std::string tsv(const std::vector<Measured> &all)
+std::string tsv(const std::vector<Measured> &all, bool is_whole)
 {
     std::string out = "name\tvalue\tunit\tkind\tpublished\tlowest\thighest\tdistance\tverdict\n";
     for (const Measured &one : all) {
@@ -107,6 +107,7 @@ std::string tsv(const std::vector<Measured> &all)
                    verdict_of(one, row) + "\n";
         }
     }
+    if (!is_whole) return out;
     // Four columns, as in out/bench.tsv.
     out += "literature.tables\t" + std::to_string(all.size()) + "\ttables\t\n";
     out += "literature.validations\t" + std::to_string(all.size() - count(all, "input")) + "\ttables\t\n";

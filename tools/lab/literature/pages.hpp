@@ -10,8 +10,8 @@ namespace crn::literature
 {
 
 // One line per figure, with the columns name, value, unit, table's kind, published, lowest, highest,
-// distance, verdict. The last lines are the numbers of tables for `make bars`.
-std::string tsv(const std::vector<Measured> &all);
+// distance, verdict. If all tables were measured, the last lines are the numbers of tables for `make bars`.
+std::string tsv(const std::vector<Measured> &all, bool is_whole);
 
 // Draws one line per figure: the accepted range as a bar, the published mean, and our figure as a dot. Every
 // line has its own scale, in which the accepted range always has the same width.

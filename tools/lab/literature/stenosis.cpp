@@ -1,4 +1,5 @@
 // Measures the fractional flow reserve of drawn lesions in the shipped heart.
+#include "host/base/number_text.hpp"
 #include "host/effects/lesion_figures.hpp"
 #include "tools/bake/lesion.hpp"
 #include "tools/lab/literature/experiments.hpp"
@@ -129,7 +130,8 @@ Figures severities()
                 measured(heart, branch, draw.even(length / 2 + 4, end), draw.even(low, high), length));
         }
         figures.values[name] = percent_at_most(lesions, 0.80);
-        plot.series.push_back(dots(name, lesions, &Lesion::stenosis_percent));
+        plot.series.push_back(
+            dots(number_text(low) + " to " + number_text(high) + " %", lesions, &Lesion::stenosis_percent));
     }
     figures.curves.push_back(plot);
     return figures;
