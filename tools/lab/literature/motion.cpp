@@ -201,12 +201,27 @@ Figures breath_of_the_heart()
 }
 
 // The tops of the domes of the shipped patient, whose heart does not beat.
-Figures domes()
+const Vec3 right_dome_mm{-62, 77, 8}, left_dome_mm{62, 65, 8};
+
+double descent_mm(const Vec3 &top)
 {
     const anatomy::VesselTree arteries = anatomy::shipped_vessels("aorta");
-    const anatomy::Breath breath(arteries, {});
-    const auto descent_mm = [&](const Vec3 &top) { return top.y() - breath.inhaled(top).y(); };
-    return {{{"right", descent_mm({-62, 77, 8})}, {"left", descent_mm({62, 65, 8})}}, {}};
+    return top.y() - anatomy::Breath(arteries, {}).inhaled(top).y();
+}
+
+Figures domes()
+{
+    return {{{"right", descent_mm(right_dome_mm)}, {"left", descent_mm(left_dome_mm)}}, {}};
+}
+
+Figures heart_over_diaphragm()
+{
+    const Heart heart;
+    const Artery left_main(heart, "LM", 1);
+    double sum = 0;
+    for (std::size_t i = 0; i < left_main.size(); i++)
+        sum += left_main.rest()[i].y() - left_main.inhaled()[i].y();
+    return {{{"ratio", sum / double(left_main.size()) / descent_mm(right_dome_mm)}}, {}};
 }
 
 } // namespace
@@ -216,7 +231,8 @@ std::vector<Experiment> motion_experiments()
     return {{"coronary_rest", rest_periods},
             {"coronary_speed", slice_speeds},
             {"heart_breath", breath_of_the_heart},
-            {"diaphragm_breath", domes}};
+            {"diaphragm_breath", domes},
+            {"heart_over_diaphragm", heart_over_diaphragm}};
 }
 
 } // namespace crn::literature

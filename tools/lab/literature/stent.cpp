@@ -23,7 +23,8 @@ namespace
 namespace fs = std::filesystem;
 
 constexpr int length_mm = 110, around = 24;
-constexpr double artery_mm = 3.0, entry_mm = 10.0, lesion_mm = 70.0;
+constexpr double artery_mm = 3.0, entry_mm = 10.0, lesion_mm = 70.0, stenosis_percent = 65;
+constexpr double narrow_mm = artery_mm * (1 - stenosis_percent / 100);
 
 // A folder that goes with its experiment.
 struct Folder {
@@ -81,11 +82,14 @@ void write_artery(const fs::path &folder, double calcified_deg)
         << '\n';
 }
 
-struct Deployed {
-    double chart_mm, balloon_mm, final_mm; // by the maker's table; narrowest under pressure; inside the stent
+struct Dilated {
+    double narrowest_mm = 0, widest_mm = 0; // of the balloon when it is fullest
+    double lumen_mm = 0;                    // smallest diameter of the artery afterwards
+    double stent_mm = 0;                    // smallest diameter inside the stent; 0 without one
 };
 
-Deployed deploy(double calcified_deg, int bar, double chart_mm)
+// Makes the scene, and plays the session in it.
+Dilated dilate(double calcified_deg, int bar, bool has_stent)
 {
     const Folder folder;
     write_artery(folder.path, calcified_deg);
@@ -105,7 +109,7 @@ Deployed deploy(double calcified_deg, int bar, double chart_mm)
     PictureSettings settings;
     settings.bodies_path = (folder.path / "artery.bodies").string();
     settings.scene_path = scene.path;
-    settings.stents = read_stents({"shared/examples/stents/coronary_3_0x18.toml"}, tools);
+    if (has_stent) settings.stents = read_stents({"shared/examples/stents/coronary_3_0x18.toml"}, tools);
     settings.size = 64;
     const Session session =
         parse_session("begin catheter inserted 83 mm\nbegin wire inserted 98 mm\ninflate to " +
@@ -116,38 +120,91 @@ Deployed deploy(double calcified_deg, int bar, double chart_mm)
     const SceneAnatomy anatomy = read_anatomy(settings);
     const std::unique_ptr<Patient> patient = make_patient(settings, anatomy, tools);
     RunSettings how;
-    how.begin.push_back({RoomAction::load_stent, {}});
+    if (has_stent) how.begin.push_back({RoomAction::load_stent, {}});
     const RunResult result = run_session(device, *patient, session, nullptr, nullptr, how);
+
+    Dilated dilated;
+    for (const BalloonSample &sample : result.figures.balloon.series) {
+        dilated.narrowest_mm = std::max(dilated.narrowest_mm, double(sample.diameter_min_mm));
+        dilated.widest_mm = std::max(dilated.widest_mm, double(sample.diameter_max_mm));
+    }
+    device.link().read_nodes();
+    const std::vector<double> open = session_frame(device, {}, {}).wire.lesions_open;
+    if (open.empty()) throw std::runtime_error("the scene has no lesion that can open");
+    dilated.lumen_mm = narrow_mm + open[open.size() / 2] * (artery_mm - narrow_mm);
+    if (!has_stent) return dilated;
     const std::vector<StentResult> stents = patient->stents()->results();
     if (stents.empty() || stents[0].stage != StentStage::deployed)
         throw std::runtime_error("the stent was not deployed");
-    double narrowest = 0;
-    for (const BalloonSample &sample : result.figures.balloon.series)
-        narrowest = std::max(narrowest, double(sample.diameter_min_mm));
-    return {chart_mm, narrowest, stents[0].figures.diameter_min_mm};
+    dilated.stent_mm = stents[0].figures.diameter_min_mm;
+    return dilated;
 }
 
-// The source states neither pressures nor plaques: 12 bar, and three lesions from soft to calcified, are
-// assumed.
+// No source states its plaques: a soft lesion and two with calcium are assumed.
+Dilated mean_of_three(int bar, bool has_stent)
+{
+    Dilated mean;
+    for (double calcified_deg : {0.0, 100.0, 200.0}) {
+        const Dilated one = dilate(calcified_deg, bar, has_stent);
+        mean.narrowest_mm += one.narrowest_mm / 3;
+        mean.widest_mm += one.widest_mm / 3;
+        mean.lumen_mm += one.lumen_mm / 3;
+        mean.stent_mm += one.stent_mm / 3;
+    }
+    return mean;
+}
+
 Figures stent_expansion()
 {
-    Figures figures;
-    double deficit_mm = 0, recoil_mm = 0, below_percent = 0;
-    for (double calcified_deg : {0.0, 100.0, 200.0}) {
-        const Deployed one = deploy(calcified_deg, 12, 3.12);
-        deficit_mm += (one.chart_mm - one.balloon_mm) / 3;
-        recoil_mm += (one.balloon_mm - one.final_mm) / 3;
-        below_percent += 100 * (1 - one.final_mm / one.chart_mm) / 3;
-    }
-    figures.values = {{"below_chart", below_percent}, {"balloon_deficit", deficit_mm}, {"recoil", recoil_mm}};
-    return figures;
+    constexpr double chart_mm = 3.12; // of the shipped balloon at 12 bar
+    const Dilated mean = mean_of_three(12, true);
+    return {{{"below_chart", 100 * (1 - mean.stent_mm / chart_mm)},
+             {"balloon_deficit", chart_mm - mean.narrowest_mm},
+             {"recoil", mean.narrowest_mm - mean.stent_mm}},
+            {}};
+}
+
+// Lesions that have come back after an angioplasty are soft.
+Figures balloon_and_stent()
+{
+    const Dilated bare = dilate(0, 8, false), stented = dilate(0, 8, true);
+    return {{{"lumen_before", narrow_mm},
+             {"lumen_after_balloon", bare.lumen_mm},
+             {"recoil_after_balloon", bare.widest_mm - bare.lumen_mm},
+             {"lumen_after_stent", stented.stent_mm},
+             {"recoil_after_stent", stented.widest_mm - stented.stent_mm}},
+            {}};
+}
+
+// The shipped balloon of 3.0 mm, below and above 10 bar.
+Figures balloon_pressure()
+{
+    constexpr double nominal_mm = 3.0;
+    const Dilated low = mean_of_three(7, false), high = mean_of_three(12, false);
+    const auto percent = [](const Dilated &one) {
+        return 50 * (one.narrowest_mm + one.widest_mm) / nominal_mm;
+    };
+    return {{{"balloon_below_10", percent(low)},
+             {"balloon_above_10", percent(high)},
+             {"recoil_below_10", nominal_mm - low.lumen_mm},
+             {"recoil_above_10", nominal_mm - high.lumen_mm}},
+            {}};
+}
+
+Figures balloon_recoil()
+{
+    const Dilated mean = mean_of_three(10, false);
+    return {{{"recoil", mean.widest_mm - mean.lumen_mm}}, {}};
 }
 
 } // namespace
 
 std::vector<Experiment> stent_experiments()
 {
-    return {{"stent_expansion", stent_expansion}};
+    return {{"stent_expansion", stent_expansion},
+            {"balloon_and_stent", balloon_and_stent},
+            {"balloon_pressure", balloon_pressure},
+            {"balloon_recoil", balloon_recoil}};
 }
 
 } // namespace crn::literature
