@@ -365,11 +365,9 @@ ALLOWED = {
     "tools/mesh/level_set": ["tools/mesh"],
     "tools/mesh/files": ["tools/mesh", "host/base/guarded_read.hpp"],
     # core_hash.c owns the core's memory and reads it; it also runs on a bare board.
-    "tools/lab/validate": COMMAND_LINE
-    + [
-        "firmware/core",
-        "host/base/pending_file.hpp",
-    ],  # owns the memory of models and states (rig.cpp)
+    # Owns the memory of models and states (rig.cpp).
+    "tools/lab/validate": COMMAND_LINE + ["firmware/core", "host/base/pending_file.hpp"],
+    "tools/lab/literature": ["host", "tools/anatomy", "tools/bake", "tools/lab/validate", "tools/mesh", "tools/timi"],
     "tools/check": CORE_PUBLIC
     + ["firmware/core/core_state.h", "firmware/core/rod_block.h", "firmware/port/mps2_an500"],
     "tools/docs": ["host/base/number_text.hpp", "shared/version.h", "shared/wire", "firmware/app/usb/usb_table.def"],
