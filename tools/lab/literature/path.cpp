@@ -127,9 +127,11 @@ double drag_N(double friction)
     rig.set_gravity({0, 0, -validate::gravity_m_s2});
     rig.step(1000);
     double sum = 0;
-    constexpr int ticks = 1500, last = 500;
+    // Slowly, because the core's drag of 20/s would add 20 v / (mu g) of the friction.
+    constexpr int ticks = 6000, last = 2000;
+    constexpr double speed_m = 1e-7; // per tick
     for (int tick = 1; tick <= ticks; tick++) {
-        rig.feed(-1e-5 * tick);
+        rig.feed(-speed_m * tick);
         rig.step();
         if (tick > ticks - last) sum -= rig.handle_axial();
     }

@@ -27,6 +27,15 @@ for name in half_value_layers heart_breath coronary_rest deflection_15_mm fluoro
 done
 report "the page has the figures that the program gives" $true_pages
 
+# Where the published figure is the input, the rig must return it.
+off=0
+for name in flexural_modulus sliding_friction; do
+    "$tool" --only "$name" --jobs 1 -o "$work/inputs" >"$work/said" 2>&1 || off=1
+    awk -F'\t' 'NR > 1 && ($2 / $5 > 1.01 || $2 / $5 < 0.99) {print "# " $0; bad = 1} END {exit bad || NR < 3}' \
+        "$work/inputs/literature.tsv" || off=1
+done
+report "bending rig and sliding wire return their inputs within a percent" $off
+
 head -1 "$work/out/literature.tsv" | grep \
     -qx "$(printf 'name\tvalue\tunit\tkind\tpublished\tlowest\thighest\tdistance\tverdict')" &&
     ! grep -q "^literature.tables" "$work/out/literature.tsv" &&
