@@ -286,6 +286,24 @@ static void a_balloon_opens_a_soft_lesion_which_keeps_its_plastic_share(void **s
     free(r);
 }
 
+/* At rest, a lesion is open by (pressure - yield) / 2 bar. The narrow part of the balloon is not unfolded, so
+ * its own wall bears nothing, and all of the 8 bar press on the lesion that yields at 7 bar. */
+static void a_lesion_opens_by_the_pressure_beyond_its_yield(void **state)
+{
+    (void)state;
+    rig *r = rig_make(700, 1);
+    inflate(r, 800, 2500);
+    for (int i = MIDDLE - 2; i <= MIDDLE + 2; i++) {
+        const double open = open_at(r, (uint32_t)i);
+        if (!(fabs(open - 0.5) < 0.003)) fail_msg("station %d is open by %.4f, expected 0.5", i, open);
+    }
+    inflate(r, 750, 2500);
+    assert_true(fabs(open_at(r, MIDDLE) - 0.25) < 0.003);
+    inflate(r, 690, 2500);
+    assert_true(open_at(r, MIDDLE) == 0);
+    free(r);
+}
+
 /* At 8 bar the lesion leaves a waist in the balloon; at 14 bar the lesion opens. */
 static void a_hard_lesion_leaves_a_waist_until_its_yield(void **state)
 {
@@ -436,6 +454,7 @@ int main(void)
         cmocka_unit_test(an_open_lesion_goes_with_a_beating_vessel),
         cmocka_unit_test(closed_it_is_the_lumen_as_described),
         cmocka_unit_test(a_balloon_opens_a_soft_lesion_which_keeps_its_plastic_share),
+        cmocka_unit_test(a_lesion_opens_by_the_pressure_beyond_its_yield),
         cmocka_unit_test(a_hard_lesion_leaves_a_waist_until_its_yield),
         cmocka_unit_test(a_balloon_too_small_opens_no_farther_than_itself),
         cmocka_unit_test(two_hundred_inflations_leave_no_trace_in_an_elastic_lesion),

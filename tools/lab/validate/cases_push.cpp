@@ -111,12 +111,33 @@ void wall_law(Result &result, bool quick)
     }
 }
 
+// Two hands push two tools with the same end wall before their tips. Returns the largest sum of the forces on
+// the hands.
+double two_hands_N()
+{
+    Path path({-0.03, 0, 0}, {1, 0, 0}, {0, 0, 1});
+    path.straight(0.03 + 0.2);
+    LumenField field = tube_field(path, 0.003, 0, true);
+    const Tool wire = uniform_tool({.bend_N_m2 = 1.85e-3, .twist_N_m2 = 1.4e-3}, 0.26, 0.003);
+    const Tool catheter = uniform_tool(
+        {.bend_N_m2 = 1e-3, .twist_N_m2 = 1e-3, .radius_m = 835e-6, .radius_inner_m = 485e-6}, 0.26, 0.003);
+    Rig rig({wire, catheter}, &field, {{0.19, 0.19}});
+    rig.set_stall(6);
+    double most_N = 0;
+    for (int tick = 0; tick < 2500; tick++) {
+        for (unsigned tool : {0u, 1u}) rig.feed(tick * 2e-5, tool);
+        rig.step();
+        most_N = std::max(most_N, rig.handle_axial(0) + rig.handle_axial(1));
+    }
+    return most_N;
+}
+
 void stall(Result &result, bool quick)
 {
     result.title = "Stall: a blocked tip stops the hand";
     result.setup = "The same tube, the hand's limit left at its 6 N, at two speeds and without and with "
                    "friction: the force at rest "
-                   "and its peak.";
+                   "and its peak. Two hands that push two tools: the largest sum of their forces.";
     result.formula = "F = F_max = 6 N";
     result.source = "docs/rod.md, feed";
     for (double speed : {0.02, 0.1}) {
@@ -128,6 +149,7 @@ void stall(Result &result, bool quick)
             result.absolute("peak." + name, "N", 6, got.peak_N, 0.6);
         }
     }
+    result.absolute("two_hands", "N", 6, two_hands_N(), 0.05);
 }
 
 // --- work and energy ---
