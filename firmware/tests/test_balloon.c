@@ -222,7 +222,7 @@ static void over_a_wire_the_hand_of_the_catheter_feels_the_balloon(void **state)
     }
     print_message("# held %.2f N, the catheter's hand %.2f N, the wire's %.3f N\n", held_N, catheter_N,
                   wire_N);
-    assert_true(fabs(catheter_N - held_N) < 0.05 * held_N);
+    assert_true(fabs(catheter_N - held_N) < 0.02 * held_N);
     assert_true(wire_N < 0.1 * held_N);
     rig_free(r);
 }

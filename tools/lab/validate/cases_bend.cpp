@@ -260,7 +260,7 @@ void curved_tip(Result &result, bool)
         double s = free.inserted(), chord = 2 * radius * std::fabs(std::sin(s / 2 / radius));
         double ours = free.position(0).norm();
         result.error("chord." + name, "mm", chord * 1e3, ours * 1e3, 100 * (ours - chord) / s, "% of arc",
-                     0.2);
+                     0.025);
     }
 }
 

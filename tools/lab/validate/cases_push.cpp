@@ -208,7 +208,7 @@ void energy(Result &result, bool quick)
         stored.x.push_back(now * 1e3);
         stored.y.push_back(bent * 1e3);
     }
-    result.relative("in", "mJ", (inside[1] + inside[2]) * 1e3, inside[0] * 1e3, 1.5);
+    result.relative("in", "mJ", (inside[1] + inside[2]) * 1e3, inside[0] * 1e3, 1);
     result.error("round_trip", "mJ", drag * 1e3, work * 1e3, 100 * (work - drag) / inside[1], "% of stored",
                  2);
     result.at_most("gained", "mJ", std::max(0.0, -work) * 1e3, 0);

@@ -167,7 +167,7 @@ void incline(Result &result, bool quick)
     // A rod that is at rest holds by its static friction, however low its kinetic one is. It slips somewhat
     // earlier, because an element that slips first leaves its load to the others.
     result.absolute("static_0.3.kinetic_0.15", "deg", std::atan(0.3) / degree,
-                    tilt(0.15, 0.3, false).onset_deg, 3);
+                    tilt(0.15, 0.3, false).onset_deg, 2);
     result.plots.push_back(plot);
 }
 
