@@ -30,7 +30,7 @@ HERE, ROOT = suite.HERE, suite.ROOT
 CORE = os.path.join(ROOT, "firmware", "core")
 FIRST = os.path.join(HERE, "first.tsv")
 BAR_PCT = 95.0
-BUDGETS_s = (1, 5, 20, 1000000)
+BUDGETS_s = (2, 5, 20, 1000000)
 INCLUDE = table.re.compile(r'#include "firmware/core/([^"]+)"')
 CONSTANT = table.re.compile(r"\s*(CRN_\w+) = ")
 DROPPED_FLAGS = ("-Werror", "-fvisibility=hidden", "-MD", "-g1", "-O3")
