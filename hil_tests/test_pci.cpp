@@ -292,8 +292,8 @@ void a_stent_opened_too_little_stands_off_the_wall(void **)
     });
     const nlohmann::json score =
         score_of_session((folder / "small.session").string(), balloon_file, stent_file);
-    check("struts on the wall, %", score["apposition_pct"], 0, 94);
-    check("score", score["percent"], 0, 95);
+    check("struts on the wall, %", score["apposition_pct"], 80, 94);
+    check("score", score["percent"], 45, 75);
 }
 
 // In one session the balloon and the stent are of size 2.5 mm: at 16 bar their diameter is 2.68 mm in an
@@ -315,9 +315,9 @@ void a_stent_of_a_size_too_small_stands_off_the_wall(void **)
         score_of_session((folder / "same.session").string(), (folder / "balloon_2_5.toml").string(),
                          (folder / "stent_2_5.toml").string());
     check("residual stenosis, %", score["residual_stenosis_pct"], 15, 40);
-    check("struts on the wall, %", score["apposition_pct"], 0,
+    check("struts on the wall, %", score["apposition_pct"], 75,
           92); // at the minimal lumen diameter it lies on the plaque
-    check("score", score["percent"], 0, 90);
+    check("score", score["percent"], 50, 80);
 }
 
 // In one session the stent is 7 mm too far distal, so the beginning of the lesion has no stent.
@@ -330,8 +330,8 @@ void a_stent_beyond_the_lesion_misses_it(void **)
     });
     const nlohmann::json score =
         score_of_session((folder / "far.session").string(), balloon_file, stent_file);
-    check("lesion without stent, mm", score["geographic_miss_mm"], 2, 12);
-    check("score", score["percent"], 0, 90);
+    check("lesion without stent, mm", score["geographic_miss_mm"], 3.5, 8);
+    check("score", score["percent"], 50, 80);
 }
 
 } // namespace

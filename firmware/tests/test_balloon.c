@@ -115,9 +115,21 @@ static void a_free_balloon_has_the_diameter_of_its_table(void **state)
     rig_free(r);
 }
 
-/* The tolerances are 0.1 mm for the balloon's radius, and 5 % of the pressure times the covered area, 2 pi
- * r 18 mm, for the wall force. The vessel is narrower than the unfolded balloon, so the balloon's own wall
- * supports no pressure. */
+/* A free balloon grows and shrinks by 5 um of its radius in a tick. */
+static void a_free_balloon_grows_by_5_um_a_tick(void **state)
+{
+    (void)state;
+    rig *r = rig_make(3e-3);
+    inflate(r, 800, 100);
+    assert_true(fabs(diameter_mm(r->output.balloon_radius_max_m_q30) - (0.9 + 100 * 0.01)) < 0.005);
+    inflate(r, 0, 50);
+    assert_true(fabs(diameter_mm(r->output.balloon_radius_max_m_q30) - (0.9 + 50 * 0.01)) < 0.005);
+    rig_free(r);
+}
+
+/* The tolerances are 0.012 mm for the balloon's radius, and 1 % of the pressure times the covered area, 2 pi
+ * r 18 mm, for the wall force. The measured errors are 0.004 mm and 0.3 %. The vessel is narrower than the
+ * unfolded balloon, so the balloon's own wall supports no pressure. */
 static void in_a_rigid_tube_it_fills_the_bore_and_presses_with_pressure_times_area(void **state)
 {
     (void)state;
@@ -129,16 +141,34 @@ static void in_a_rigid_tube_it_fills_the_bore_and_presses_with_pressure_times_ar
                      narrowest = diameter_mm(r->output.balloon_radius_min_m_q30) / 2;
         print_message("# bore %.2f mm: radius %.3f to %.3f mm, %.2f N\n", bore_m[i] * 1e3, narrowest, widest,
                       wall_N(r));
-        assert_true(fabs(widest - bore_m[i] * 1e3) < 0.1 && fabs(narrowest - bore_m[i] * 1e3) < 0.1);
+        assert_true(fabs(widest - bore_m[i] * 1e3) < 0.012 && fabs(narrowest - bore_m[i] * 1e3) < 0.012);
         const double expected_N = 500e3 * 2 * pi * bore_m[i] * 18e-3;
-        assert_true(fabs(wall_N(r) - expected_N) < 0.05 * expected_N);
+        assert_true(fabs(wall_N(r) - expected_N) < 0.01 * expected_N);
         assert_true(r->output.penetration_max_m_q30 < (int32_t)(0.2e-3 * Q30));
         rig_free(r);
     }
 }
 
+/* In a bore that is wider than the unfolded balloon, the balloon's own wall bears the pressure that its table
+ * gives for this diameter: between 6 bar for 2.92 mm and 8 bar for 3 mm. The vessel bears the rest of 12 bar.
+ */
+static void in_a_wide_tube_its_own_wall_bears_a_part(void **state)
+{
+    (void)state;
+    rig *r = rig_make(1.47e-3);
+    inflate(r, 1200, 1500);
+    const double mm = diameter_mm(r->output.balloon_radius_max_m_q30);
+    const double own_Pa = 600e3 + (mm - 2.92) / 0.08 * 200e3;
+    const double expected_N = (1200e3 - own_Pa) * pi * mm * 1e-3 * 18e-3;
+    print_message("# %.3f mm wide, %.2f N, expected %.2f N\n", mm, wall_N(r), expected_N);
+    assert_true(mm > 2.92 && mm < 3);
+    assert_true(fabs(wall_N(r) - expected_N) < 0.02 * expected_N);
+    rig_free(r);
+}
+
 /* When the catheter is pulled at 5 mm/s, it slips once the hand's force reaches friction times wall force;
- * only the balloon presses hard on the wall. */
+ * only the balloon presses hard on the wall. The hand's largest force is 11 % above, which the bar of 18 %
+ * allows. */
 static void an_inflated_balloon_is_held_by_friction_times_wall_force(void **state)
 {
     (void)state;
@@ -159,8 +189,41 @@ static void an_inflated_balloon_is_held_by_friction_times_wall_force(void **stat
             first_slip = t;
     }
     print_message("# wall %.2f N, held %.2f N, pulled with %.2f N\n", wall_N(r), held_N, most_N);
-    assert_true(most_N >= held_N && most_N < 1.3 * held_N);
+    assert_true(most_N >= held_N && most_N < 1.18 * held_N);
     assert_true(before - r->state.words.balloon.balls[9].centre_m_q30.v[0] > (int32_t)(3e-3 * Q30));
+    rig_free(r);
+}
+
+/* With a wire inside that leads, the friction of the balloon acts on the hand of the balloon catheter alone.
+ */
+static void over_a_wire_the_hand_of_the_catheter_feels_the_balloon(void **state)
+{
+    (void)state;
+    const reference_piece straight = {0.15, 0, 0};
+    rig *r = calloc(1, sizeof *r);
+    r->tube = reference_tube_make(&straight, 1, 1.25e-3, 1);
+    crn_instrument tools[2] = {reference_wire(1e-6, 600000, 4000, 0), balloon_catheter()};
+    for (uint32_t i = 0; i < tools[0].knot_count; i++) tools[0].knots[i].radius_outer_um = 178;
+    for (uint32_t i = 0; i < tools[1].knot_count; i++) tools[1].knots[i].radius_inner_um = 210;
+    const crn_entry entry = reference_entry();
+    const uint32_t inserted_um[] = {130000, 120000};
+    crn_build_place place;
+    assert_int_equal(crn_model_build(&r->model, tools, 2, &r->tube->lumen, &entry, &place), CRN_BUILD_OK);
+    crn_state_init(&r->model, &r->state, inserted_um);
+    inflate(r, 200, 1500);
+    const double held_N = friction * wall_N(r);
+    double catheter_N = 0, wire_N = 0;
+    for (int t = 0; t < 1500; t++) {
+        r->input.hands[1].feed_m_q30 -= (int32_t)(5e-6 * Q30);
+        run(r, 1);
+        if (t < 1000) continue;
+        catheter_N -= r->output.tools[1].axial_N_q22 / 4194304.0 / 500;
+        wire_N += fabs(r->output.tools[0].axial_N_q22 / 4194304.0) / 500;
+    }
+    print_message("# held %.2f N, the catheter's hand %.2f N, the wire's %.3f N\n", held_N, catheter_N,
+                  wire_N);
+    assert_true(fabs(catheter_N - held_N) < 0.05 * held_N);
+    assert_true(wire_N < 0.1 * held_N);
     rig_free(r);
 }
 
@@ -436,6 +499,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_free_balloon_has_the_diameter_of_its_table),
+        cmocka_unit_test(a_free_balloon_grows_by_5_um_a_tick),
+        cmocka_unit_test(in_a_wide_tube_its_own_wall_bears_a_part),
+        cmocka_unit_test(over_a_wire_the_hand_of_the_catheter_feels_the_balloon),
         cmocka_unit_test(in_a_rigid_tube_it_fills_the_bore_and_presses_with_pressure_times_area),
         cmocka_unit_test(an_inflated_balloon_is_held_by_friction_times_wall_force),
         cmocka_unit_test(an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt),

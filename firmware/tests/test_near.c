@@ -83,6 +83,47 @@ static void a_sample_of_a_copy_is_that_of_the_scene(void **state)
     reference_tube_free(tube);
 }
 
+/* In a beating vessel, the distance and the normal at random points, tick after tick, are those of a scene
+ * that is read in place. */
+static void a_moving_wall_of_a_copy_is_that_of_the_scene(void **state)
+{
+    (void)state;
+    reference_tube *tube = reference_tube_make(reference_coronary, 3, 0.0015, 1);
+    reference_motion *beating = reference_motion_make(reference_beating_sphere, reference_coronary_low_m,
+                                                      reference_coronary_high_m, 22);
+    nearby *scene = nearby_make(&tube->lumen, &beating->motion);
+    tube->lumen.motion = &beating->motion;
+    reference_random random = reference_random_seed(5);
+    uint32_t moved = 0;
+    for (uint32_t tick = 0; tick < 200; tick++) {
+        const crn_rhythm before = {.heart_phase32 = tick * 20000000u},
+                         now = {.heart_phase32 = (tick + 1) * 20000000u};
+        crn_motion_pose here, there;
+        crn_motion_pose_begin(&beating->motion, &here, &before, &now);
+        crn_motion_pose_begin(&scene->motion, &there, &before, &now);
+        scene->lumen.near->tick++;
+        for (int i = 0; i < 50; i++) {
+            const double *p = tube->points_m[reference_random_below(&random, tube->point_count)];
+            crn_vec3 place;
+            for (int k = 0; k < 3; k++)
+                place.v[k] = (int32_t)lround(
+                    (p[k] + ((double)reference_random_below(&random, 4000) - 2000) * 1e-6) * 1073741824.0);
+            const crn_lumen_sample a = crn_motion_contact(&tube->lumen, &beating->motion, &here, &place),
+                                   b = crn_motion_contact(&scene->lumen, &scene->motion, &there, &place);
+            assert_int_equal(a.distance_m_q30, b.distance_m_q30);
+            assert_memory_equal(&a.normal_q30, &b.normal_q30, sizeof a.normal_q30);
+            const crn_vec3 step_a = crn_motion_wall_step(&beating->motion, &here),
+                           step_b = crn_motion_wall_step(&scene->motion, &there);
+            assert_memory_equal(&step_a, &step_b, sizeof step_a);
+            moved += (step_a.v[0] | step_a.v[1] | step_a.v[2]) != 0;
+        }
+    }
+    assert_true(moved > 5000);
+    nearby_free(scene);
+    reference_motion_free(beating);
+    reference_tube_free(tube);
+}
+
 /* A wire is pushed into a beating and breathing vessel. After every tick, the hash of its state is that of a
  * wire whose core reads the scene in place. */
 static void a_session_has_the_hashes_that_it_has_without(void **state)
@@ -119,6 +160,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_sample_of_a_copy_is_that_of_the_scene),
+        cmocka_unit_test(a_moving_wall_of_a_copy_is_that_of_the_scene),
         cmocka_unit_test(a_session_has_the_hashes_that_it_has_without),
     };
     cmocka_set_message_output(CM_OUTPUT_TAP);

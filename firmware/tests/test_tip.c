@@ -104,6 +104,51 @@ static void a_tight_j_keeps_up_with_a_turning_hand(void **context)
     free(r);
 }
 
+/* A rest curvature towards d1 moves the tip towards d1 as far as one towards d2 moves it towards d2: R (1 -
+ * cos (s / R)), 8.73 mm at R = 50 mm and s = 30 mm. The directions are those of the introducer at hand angle
+ * 0. */
+static void each_rest_curvature_bends_towards_its_own_axis(void **context)
+{
+    (void)context;
+    for (int axis = 0; axis < 2; axis++) {
+        crn_instrument wire = reference_wire(1e-4, 300000, 500, 0);
+        wire.element_shaft_um = 2000;
+        wire.element_fine_um = 40000;
+        wire.knot_count = 4;
+        wire.knots[2] = wire.knots[3] = wire.knots[1];
+        wire.knots[1] = wire.knots[2] = wire.knots[0];
+        wire.knots[1].arc_um = wire.knots[2].arc_um = 30000;
+        for (int i = 0; i < 2; i++) {
+            wire.knots[i].rest_curvature1_per_m_milli = axis == 0 ? 20000 : 0;
+            wire.knots[i].rest_curvature2_per_m_milli = axis == 1 ? 20000 : 0;
+        }
+        rig *r = rig_in_air(&wire, 60000);
+        for (int t = 0; t < 3000; t++) rig_step(r);
+        const crn_vec3 p = crn_state_position(&r->state, 0);
+        const crn_vec3 *d[2] = {&r->model.base_axis1_q30, &r->model.base_axis2_q30};
+        double along_mm[2] = {0, 0};
+        for (int a = 0; a < 2; a++)
+            for (int k = 0; k < 3; k++) along_mm[a] += p.v[k] / Q30 * (d[a]->v[k] / Q30) * 1e3;
+        const double expected_mm = 50 * (1 - cos(0.6));
+        check_below("off the circle (mm)", fabs(along_mm[axis] - expected_mm), 0.005);
+        check_below("off its plane (mm)", fabs(along_mm[1 - axis]), 0.01);
+        free(r);
+    }
+}
+
+/* The rest shape of a wire is applied over the first 256 ticks, not at once: docs/rod.md, "feed". */
+static void the_rest_shape_comes_over_256_ticks(void **context)
+{
+    (void)context;
+    crn_instrument wire = make_j(0.0015, 3e-4);
+    rig *r = rig_in_air(&wire, 60000);
+    for (int t = 1; t <= 300; t++) {
+        rig_step(r);
+        assert_int_equal(r->state.words.release_q30, (t < 256 ? t : 256) * (1 << 22));
+    }
+    free(r);
+}
+
 /* Without load, a wire whose stress-free shape has the same radius of curvature R everywhere takes the shape
  * of a circle. The chord from the tip to the arc length s is 2 R sin(s / 2R). */
 static void curved_wire_without_load_takes_its_circle(void **context)
@@ -172,6 +217,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(curved_tip_follows_the_hand_in_free_space),
         cmocka_unit_test(a_tight_j_keeps_up_with_a_turning_hand),
+        cmocka_unit_test(each_rest_curvature_bends_towards_its_own_axis),
+        cmocka_unit_test(the_rest_shape_comes_over_256_ticks),
         cmocka_unit_test(curved_wire_without_load_takes_its_circle),
         cmocka_unit_test(tight_tip_keeps_its_shape_while_it_is_fed),
         cmocka_unit_test(a_tight_j_rests_on_the_wall),

@@ -312,8 +312,8 @@ static void a_change_of_the_lead_moves_no_node_by_more_than_0_1_mm(void **contex
     free(r);
 }
 
-/* The catheter follows the wire through three bends. The catheter stays in the tube, and the wire's tip does
- * not move. */
+/* The catheter follows the wire through three bends. The catheter stays in the tube, and the wire's tip moves
+ * by 0.63 mm. */
 static void a_catheter_tracks_over_the_wire_round_the_bends(void **context)
 {
     (void)context;
@@ -335,7 +335,7 @@ static void a_catheter_tracks_over_the_wire_round_the_bends(void **context)
     for (int k = 0; k < 3; k++) moved += pow((after.v[k] - before.v[k]) / Q30 * 1e3, 2);
     check_near("inserted length of the catheter (mm)", r->output.tools[CATHETER].inserted_m_q30 / Q30 * 1e3,
                470, 1);
-    check_below("motion of the wire's tip (mm)", sqrt(moved), 8);
+    check_below("motion of the wire's tip (mm)", sqrt(moved), 2);
     check_below("penetration (mm)", deepest_mm, 0.5);
     free(r);
     reference_tube_free(tube);

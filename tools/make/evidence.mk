@@ -1,7 +1,8 @@
 # The evidence: the thesis, references, calibration, other projects (tools/lab).
 ##@ For makers of evidence
-.PHONY: test-hours tracker deep-baseline
-.PHONY: lab test-lab thesis table51 calibrate validate validate-centreline bench-peers bench-xray-peers importers
+.PHONY: test-hours tracker deep-baseline mutants
+.PHONY: lab test-lab thesis table51 calibrate validate literature validate-centreline bench-peers bench-xray-peers
+.PHONY: importers
 LAB = run$(comma)tools$(comma)lab
 
 lab: packages-build+tools+lab ## build every program of tools/lab
@@ -29,6 +30,16 @@ validate: ## compare the rod with closed forms; write out/validation.html and .t
 validate: packages-build+tools+lab
 	$(call build,release,$(LAB),validate)
 	@$(BUILD)/bin/validate --jobs $(JOBS) --docs docs/validation.md
+
+literature: ## repeat published measurements; write out/literature.tsv and docs/literature.md (ONLY=ffr: some)
+literature: packages-build+tools+lab
+	$(call build,release,$(LAB),literature)
+	@$(BUILD)/bin/literature --jobs $(JOBS) $(if $(ONLY),--only $(ONLY),--docs docs/literature.md)
+
+mutants: ## make the core wrong 200 times: does a test notice? out/mutants.tsv (ONLY=name: those alone; docs/mutants.md)
+mutants: packages-build+tools+lab+test
+	$(call build,release,$(LAB)$(comma)tests,mutant_tests)
+	@tools/mutants/mutants.py --build $(BUILD) --jobs $(JOBS) --only "$(ONLY)"
 
 validate-centreline: ## recover the stEVE_bench curves from their surface (needs ../shared/anatomy)
 validate-centreline: packages-build+tools+test

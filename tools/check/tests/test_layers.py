@@ -275,10 +275,10 @@ ALLOWED = {
     # Frame counts need the anatomy's vessels as a tree of blood flow, which `bake` makes.
     "tools/timi": ["tools/anatomy", "tools/bake", "host/effects", "host/model"],
     "tools/chip": ["host", "shared", "firmware/bench/budget_case.h"],
-    # One program calls the readers of all tools for `make importers`.
     # What Frama-C analyses, and nobody compiles.
     "tools/safety/eva": ["firmware/app/safety", "firmware/core"],
-    "tools/importers": [
+    "tools/mutants": [],  # an object that the tests' programs are linked with
+    "tools/importers": [  # one program calls the readers of all tools for `make importers`
         "host/base/version.hpp",
         "host/base/toml.hpp",
         "tools/mesh/files/mesh_file.hpp",
@@ -365,11 +365,9 @@ ALLOWED = {
     "tools/mesh/level_set": ["tools/mesh"],
     "tools/mesh/files": ["tools/mesh", "host/base/guarded_read.hpp"],
     # core_hash.c owns the core's memory and reads it; it also runs on a bare board.
-    "tools/lab/validate": COMMAND_LINE
-    + [
-        "firmware/core",
-        "host/base/pending_file.hpp",
-    ],  # owns the memory of models and states (rig.cpp)
+    # Owns the memory of models and states (rig.cpp).
+    "tools/lab/validate": COMMAND_LINE + ["firmware/core", "host/base/pending_file.hpp"],
+    "tools/lab/literature": ["host", "tools/anatomy", "tools/bake", "tools/lab/validate", "tools/mesh", "tools/timi"],
     "tools/check": CORE_PUBLIC
     + ["firmware/core/core_state.h", "firmware/core/rod_block.h", "firmware/port/mps2_an500"],
     "tools/docs": ["host/base/number_text.hpp", "shared/version.h", "shared/wire", "firmware/app/usb/usb_table.def"],

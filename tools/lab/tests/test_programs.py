@@ -12,7 +12,7 @@ sys.path[:0] = [os.path.join(ROOT, "tools", "check"), os.path.join(ROOT, "tools"
 import test_bad_input as bad  # noqa: E402
 import test_versions  # noqa: E402
 
-NAMES = ("calibrate", "ct", "importers", "reference_rod", "validate", "vcsim3")
+NAMES = ("calibrate", "ct", "importers", "literature", "reference_rod", "validate", "vcsim3")
 
 
 def outputs(bench):

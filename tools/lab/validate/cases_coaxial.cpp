@@ -219,11 +219,50 @@ void lead_change(Result &result, bool quick)
     }
 }
 
+// --- rubbing ---
+
+// Half of the difference between the catheter's hand force (or torque) on the way there and back. The wire's
+// J lies wholly in the catheter, so that no elastic force acts along the tools.
+double rubbing(bool turns, double hook_N_m2)
+{
+    Tool catheter = uniform_tool(catheter_knot(4e-4), 0.3, 0.001);
+    catheter.lumen_friction = 0.1;
+    Rig rig({hooked(wire_knot(hook_N_m2), 0.3), catheter}, nullptr, {{0.15, 0.17}});
+    rig.step(2000);
+    double mean[2] = {0, 0}, hand = 0;
+    for (int way : {0, 1})
+        for (int tick = 0; tick < 800; tick++) {
+            hand += (way == 0 ? 1 : -1) * (turns ? 2e-3 : 5e-6);
+            if (turns)
+                rig.turn(hand, 1);
+            else
+                rig.feed(hand, 1);
+            rig.step();
+            if (tick >= 700) mean[way] += (turns ? rig.handle_torque(1) : rig.handle_axial(1)) / 100;
+        }
+    return (mean[0] - mean[1]) / 2;
+}
+
+void rubbing_case(Result &result, bool)
+{
+    result.title = "Sliding and turning between tools";
+    result.setup =
+        "In free space, a wire with a J of R 15 mm lies in a straight catheter, 20 mm behind its tip, "
+        "friction 0.1. The catheter slides by 4 mm and back, or turns by 1.6 rad and back.";
+    result.formula = "torque / force = radius of the inner tool";
+    result.source = "Coulomb: the same normal forces resist with mu N and mu N r";
+    const double force_N = rubbing(false, 1e-4), torque_N_m = rubbing(true, 1e-4);
+    result.relative("radius", "mm", 0.445, 1e3 * torque_N_m / force_N, 2);
+}
+
 } // namespace
 
 std::vector<Case> coaxial_cases()
 {
-    return {{"stiffness_adds", stiffness_adds}, {"opens_hook", opens_hook}, {"lead_change", lead_change}};
+    return {{"stiffness_adds", stiffness_adds},
+            {"opens_hook", opens_hook},
+            {"rubbing", rubbing_case},
+            {"lead_change", lead_change}};
 }
 
 } // namespace crn::validate

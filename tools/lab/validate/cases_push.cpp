@@ -18,7 +18,7 @@ namespace
 // --- compression ---
 
 struct Pressed {
-    double hand_N, peak_N, strain, strain_peak, resting_m;
+    double hand_N, peak_N, strain, strain_peak, resting_m, depth_m;
     Series force_against_way;
 };
 
@@ -35,7 +35,7 @@ Pressed press(double axial_N, double stall_N, double friction, double speed_m_s)
     Rig rig({tool}, &field, {{0.758}});
     rig.set_gravity({0, 0, -gravity_m_s2});
     rig.set_stall(stall_N);
-    Pressed got{0, 0, 0, 0, 0, {"", {}, {}}};
+    Pressed got{0, 0, 0, 0, 0, 0, {"", {}, {}}};
     double hand = 0;
     const int moving = int(0.03 / speed_m_s * 1000);
     for (int tick = 0; tick < moving + 1000; tick++) {
@@ -52,6 +52,7 @@ Pressed press(double axial_N, double stall_N, double friction, double speed_m_s)
     }
     got.hand_N = rig.handle_axial();
     got.strain = std::fabs(rig.length_error());
+    got.depth_m = rig.penetration();
     return got;
 }
 
@@ -82,7 +83,32 @@ void compression(Result &result, bool quick)
                             100 * soft.strain_peak);
         }
     }
+    Rig pulled({uniform_tool({.bend_N_m2 = 1.85e-3, .twist_N_m2 = 1.4e-3}, 0.35, 0.001)}, nullptr, {{0.3}});
+    pulled.set_tip_load({5, 0, 0});
+    pulled.step(500);
+    result.relative("stretched_by_5N", "%", 100 * 5.0 / 3000, 100 * pulled.length_error(), 0.7);
     result.plots.push_back(plot);
+}
+
+// The wall's law, docs/rod.md: 5 kN/m, and 20 kN/m more beyond 0.2 mm.
+double depth_of(double force_N)
+{
+    return force_N <= 1 ? force_N / 5000 : (force_N + 4) / 25000;
+}
+
+void wall_law(Result &result, bool quick)
+{
+    result.title = "Depth of a tip in an end wall";
+    result.setup = "The same tube without friction; the rod is pushed at 20 mm/s until the hand stalls at "
+                   "the force, and "
+                   "rests. The force at rest and the depth of the tip.";
+    result.formula = "F = 5 kN/m d + 20 kN/m max(0, d - 0.2 mm)";
+    result.source = "docs/rod.md, contact";
+    for (double force : {0.3, 0.8, 1.5, 6.0}) {
+        if (quick && force != 0.8 && force != 6) continue;
+        Pressed got = press(10000, force, 0, 0.02);
+        result.relative(number_text(force) + "N", "um", depth_of(got.hand_N) * 1e6, got.depth_m * 1e6, 0.7);
+    }
 }
 
 void stall(Result &result, bool quick)
@@ -160,7 +186,7 @@ void energy(Result &result, bool quick)
         stored.x.push_back(now * 1e3);
         stored.y.push_back(bent * 1e3);
     }
-    result.relative("in", "mJ", (inside[1] + inside[2]) * 1e3, inside[0] * 1e3, 5);
+    result.relative("in", "mJ", (inside[1] + inside[2]) * 1e3, inside[0] * 1e3, 1.5);
     result.error("round_trip", "mJ", drag * 1e3, work * 1e3, 100 * (work - drag) / inside[1], "% of stored",
                  2);
     result.at_most("gained", "mJ", std::max(0.0, -work) * 1e3, 0);
@@ -172,6 +198,11 @@ void energy(Result &result, bool quick)
 struct Calm {
     double strain, depth_m, resting_m;
     bool saturated;
+};
+
+// What a wire may do: about three times what it does. A stiffer wire lies deeper in the wall.
+struct CalmBars {
+    double bend_N_m2, strain_pct, depth_mm, resting_um;
 };
 
 // In this validation case the hand pushes the rod 0.55 m at 0.1 m/s through three bends that do not lie in
@@ -208,24 +239,31 @@ void stability(Result &result, bool quick)
                    "and one that grows from 2e-6 to 4.9e-3 N m2 within 0.3 m. 3 mm elements, 5 g/m, no "
                    "damping but blood's.";
     result.formula =
-        "length error <= 0.6 %, wall depth <= 1 mm, at rest <= 5 um per tick (half of g h^2), no saturation";
-    result.source = "issue 3, bar 1";
-    auto judge = [&](const std::string &name, const Tool &tool) {
+        "length error <= 0.48 %, wall depth <= 1 mm, at rest <= 4 um per tick for the softest wire, "
+        "<= 0.1 for stiff ones, no saturation";
+    result.source = "three times the measured figures; length error 0.6 % and depth 1 mm are promised";
+    auto judge = [&](const std::string &name, const Tool &tool, const CalmBars &bars) {
         Calm worst = insert(tool);
-        result.at_most("length_error." + name, "%", 100 * worst.strain, 0.6);
-        result.at_most("wall_depth." + name, "mm", 1e3 * worst.depth_m, 1);
-        result.at_most("resting_motion." + name, "um/tick", 1e6 * worst.resting_m, 5);
+        result.at_most("length_error." + name, "%", 100 * worst.strain, bars.strain_pct);
+        result.at_most("wall_depth." + name, "mm", 1e3 * worst.depth_m, bars.depth_mm);
+        result.at_most("resting_motion." + name, "um/tick", 1e6 * worst.resting_m, bars.resting_um);
         if (name == "EI_3e-2") { // needs 0.59 N m at a joint; the format holds 60 N x 3 mm
             result.reported("saturated." + name, "", 0, worst.saturated);
         } else {
             result.at_most("saturated." + name, "", worst.saturated, 0);
         }
     };
-    for (double bend : {2e-6, 1e-4, 1.85e-3, 4.9e-3, 3e-2}) {
+    const CalmBars wires[] = {{2e-6, 0.1, 0.065, 4},
+                              {1e-4, 0.004, 0.045, 1.4},
+                              {1.85e-3, 0.03, 0.6, 0.08},
+                              {4.9e-3, 0.08, 0.8, 0.05},
+                              {3e-2, 0.48, 1, 0.04}};
+    for (const CalmBars &bars : wires) {
+        const double bend = bars.bend_N_m2;
         if (quick && bend != 1.85e-3) continue;
         Tool tool = uniform_tool({.bend_N_m2 = bend, .twist_N_m2 = bend / 1.3, .friction = 0.2}, 0.9, 0.003);
         tool.axial_stiffness_max_N = 10000;
-        judge("EI_" + power_text(bend), tool);
+        judge("EI_" + power_text(bend), tool, bars);
     }
     if (quick) return;
     Tool tool;
@@ -237,14 +275,18 @@ void stability(Result &result, bool quick)
     }
     tool.knots.push_back(tool.knots.back());
     tool.knots.back().arc_m = 0.9;
-    judge("taper_2e-6_to_4.9e-3", tool);
+    judge("taper_2e-6_to_4.9e-3", tool, {0, 0.022, 0.28, 0.1});
 }
 
 } // namespace
 
 std::vector<Case> push_cases()
 {
-    return {{"compression", compression}, {"stall", stall}, {"energy", energy}, {"stability", stability}};
+    return {{"compression", compression},
+            {"wall_law", wall_law},
+            {"stall", stall},
+            {"energy", energy},
+            {"stability", stability}};
 }
 
 } // namespace crn::validate

@@ -100,7 +100,7 @@ struct Slope {
 // A heavy part of a wire, 250 mm long, lies on the floor of a straight tube. A very soft part of 50 mm
 // (bending stiffness 4e-7 N m2) connects the heavy part of the wire with the introducer. The direction of
 // gravity tilts towards the tip by 1 degree per second.
-Slope tilt(double friction, bool skew)
+Slope tilt(double friction, double friction_static, bool skew)
 {
     Vector3d along(1, 0, 0), up(0, 0, 1);
     if (skew) { // a direction that is not one of the field's lattice
@@ -113,6 +113,7 @@ Slope tilt(double friction, bool skew)
     LumenField field = tube_field(path, tube_m, 1);
     Knot heavy{.bend_N_m2 = 1e-4, .twist_N_m2 = 1e-4 / 1.3, .mass_kg_per_m = 0.1, .friction = friction};
     Knot tie{.bend_N_m2 = 4e-7, .twist_N_m2 = 4e-7, .mass_kg_per_m = 5e-4, .friction = friction};
+    heavy.friction_static = tie.friction_static = friction_static;
     Tool tool = uniform_tool(heavy, 0.45, 0.008);
     Knot heavy_end = heavy, tie_begin = tie;
     heavy_end.arc_m = tie_begin.arc_m = 0.25;
@@ -122,11 +123,17 @@ Slope tilt(double friction, bool skew)
             {.inserted_m = {0.3}, .mouth_m = -(tube_m - wire_radius_m - 2e-6) * up, .direction = along});
     rig.set_gravity(-gravity_m_s2 * up);
     rig.step(1500);
-    double start = rig.position(0).dot(along), expected = std::atan(friction) / degree;
+    double start = rig.position(0).dot(along), expected = std::atan(friction_static) / degree;
     Slope slope;
     slope.travel.label = "mu " + number_text(friction);
     slope.travel.dots = true;
-    for (double angle = std::max(0.0, expected - 3); angle < expected + 2; angle += 1e-3) {
+    const double first = std::max(0.0, expected - 3);
+    for (int tick = 0; tick < 1000; tick++) { // a sudden load would swing beyond what friction holds
+        const double angle = first * tick / 1000;
+        rig.set_gravity(gravity_m_s2 * (std::sin(angle * degree) * along - std::cos(angle * degree) * up));
+        rig.step();
+    }
+    for (double angle = first; angle < expected + 2; angle += 1e-3) {
         rig.set_gravity(gravity_m_s2 * (std::sin(angle * degree) * along - std::cos(angle * degree) * up));
         rig.step();
         double travel_mm = (rig.position(0).dot(along) - start) * 1e3;
@@ -145,22 +152,84 @@ void incline(Result &result, bool quick)
     result.setup = "A heavy rod on the floor of a straight tube, tied to the mouth by a very soft wire, "
                    "while gravity tilts by 1 degree "
                    "per second. Slips: moved by 0.02 mm. Along the field's lattice and askew to it.";
-    result.formula = "holds while tan(angle) <= mu";
+    result.formula = "holds while tan(angle) <= mu, the static one where the two differ";
     result.source = "Coulomb";
     Plot plot{"Rod on an incline", "angle (degrees)", "way of the tip (mm)", {}};
     for (bool skew : {false, true}) {
         for (double mu : {0.1, 0.2, 0.3, 0.4}) {
             if (quick && mu != 0.2) continue;
-            Slope slope = tilt(mu, skew);
+            Slope slope = tilt(mu, mu, skew);
             result.absolute(std::string(skew ? "askew" : "aligned") + ".mu_" + number_text(mu), "deg",
-                            std::atan(mu) / degree, slope.onset_deg, 1);
+                            std::atan(mu) / degree, slope.onset_deg, 0.6);
             if (skew) plot.series.push_back(slope.travel);
         }
     }
+    // A rod that is at rest holds by its static friction, however low its kinetic one is. It slips somewhat
+    // earlier, because an element that slips first leaves its load to the others.
+    result.absolute("static_0.3.kinetic_0.15", "deg", std::atan(0.3) / degree,
+                    tilt(0.15, 0.3, false).onset_deg, 3);
     result.plots.push_back(plot);
 }
 
 // --- sliding ---
+
+// A heavy, short rod on the floor of a straight tube is pushed by less than its friction can hold. Every node
+// hangs on a bristle of k = 2 kN/m, and the rod between them is elastic, so the hand feels EA q tanh(q L)
+// with q^2 = k / (EA element).
+void held_by_bristles(Result &result)
+{
+    const double tube_m = 0.004, length = 0.06, element = 0.003, axial_N = 3000, way_m = 4e-7;
+    Path path({-0.03, 0, 0}, {1, 0, 0}, {0, 0, 1});
+    path.straight(0.2);
+    LumenField field = tube_field(path, tube_m, 0);
+    Knot knot{.bend_N_m2 = 1e-4, .twist_N_m2 = 1e-4, .mass_kg_per_m = 0.1, .friction = 0.9};
+    Rig rig({uniform_tool(knot, 0.2, element)}, &field,
+            {.inserted_m = {length}, .mouth_m = {0, 0, -(tube_m - wire_radius_m - 2e-6)}});
+    rig.set_gravity({0, 0, -50 * gravity_m_s2}); // every node presses on the wall
+    rig.step(3000);
+    const double before_N = rig.handle_axial(), before_m = rig.inserted();
+    rig.feed(way_m);
+    rig.step(1000);
+    const double q = std::sqrt(2000 / (axial_N * element));
+    result.relative("held.stiffness", "kN/m", axial_N * q * std::tanh(q * length) / 1e3,
+                    (rig.handle_axial() - before_N) / (rig.inserted() - before_m) / 1e3, 5);
+}
+
+// A catheter is pushed along the floor over a wire that its hand holds. The wall's friction on the catheter
+// acts on the catheter's hand alone, and the catheter's surface lies on the wall.
+void catheter_on_the_floor(Result &result)
+{
+    const double tube_m = 0.004, outer_m = 800e-6, speed_m_s = 0.002, mu = 0.3;
+    Path path({-0.03, 0, 0}, {1, 0, 0}, {0, 0, 1});
+    path.straight(0.4);
+    LumenField field = tube_field(path, tube_m, 0);
+    Knot wire{.bend_N_m2 = 1e-5, .twist_N_m2 = 1e-5, .mass_kg_per_m = 0.005};
+    Knot catheter{.bend_N_m2 = 1e-4,
+                  .twist_N_m2 = 1e-4,
+                  .mass_kg_per_m = 0.02,
+                  .radius_m = outer_m,
+                  .radius_inner_m = 500e-6,
+                  .friction = mu};
+    Rig rig({uniform_tool(wire, 0.45, 0.003), uniform_tool(catheter, 0.45, 0.003)}, &field,
+            {.inserted_m = {0.31, 0.28}, .mouth_m = {0, 0, -(tube_m - outer_m - 2e-6)}});
+    rig.set_gravity({0, 0, -gravity_m_s2});
+    double hand_N[2] = {0, 0}, normal_N = 0, height_m = 0, way_m = 0;
+    for (int tick = 0; tick < 3000; tick++) {
+        way_m += speed_m_s * 1e-3;
+        rig.feed(way_m, 1);
+        rig.step();
+        if (tick < 2500) continue;
+        for (unsigned k : {0u, 1u}) hand_N[k] += rig.handle_axial(k) / 500;
+        for (unsigned i = 0; i < rig.free_count(); i++)
+            if (rig.position(i)[0] < rig.inserted(1))
+                normal_N += rig.contact_force(i).value_or(Vector3d::Zero())[2] / 500;
+        height_m += rig.position(rig.free_count() / 2)[2] / 500;
+    }
+    const double drag_N = 20 * rig.inserted(1) * 0.025 * speed_m_s; // of the blood
+    result.relative("catheter.hand", "N", mu * normal_N, hand_N[1] - drag_N, 4);
+    result.absolute("catheter.wires_hand", "N", 0, hand_N[0], 0.003);
+    result.absolute("catheter.height", "mm", -(tube_m - outer_m) * 1e3, height_m * 1e3, 0.01);
+}
 
 void sliding(Result &result, bool quick)
 {
@@ -169,8 +238,9 @@ void sliding(Result &result, bool quick)
                    "the floor too; pushed and "
                    "pulled at 2 mm/s. Half the difference of the hand's force, mean over 1 mm, less the drag "
                    "of blood (20/s m v), against the wall's normal forces and "
-                   "against the weight. The static coefficient is twice the kinetic one.";
-    result.formula = "F = kinetic mu N";
+                   "against the weight. The static coefficient is twice the kinetic one. A short rod that "
+                   "sticks, against its bristles; a catheter over a held wire.";
+    result.formula = "F = kinetic mu N; EA q tanh(q L), q^2 = k / (EA element) while it sticks";
     result.source = "Coulomb";
     for (double mu : {0.1, 0.3, 0.5}) {
         if (quick && mu != 0.3) continue;
@@ -183,7 +253,7 @@ void sliding(Result &result, bool quick)
         Rig rig({uniform_tool(knot, 0.45, 0.003)}, &field,
                 {.inserted_m = {0.3}, .mouth_m = {0, 0, -(tube_m - wire_radius_m - 2e-6)}});
         rig.set_gravity({0, 0, -gravity_m_s2});
-        double mean[2] = {0, 0}, normal = 0, hand = 0, length = 0;
+        double mean[2] = {0, 0}, normal = 0, along[2] = {0, 0}, hand = 0, length = 0;
         for (int way : {0, 1}) {
             for (int tick = 0; tick < 2000; tick++) {
                 hand += way == 0 ? speed_m_s * 1e-3 : -speed_m_s * 1e-3;
@@ -192,15 +262,22 @@ void sliding(Result &result, bool quick)
                 if (tick < 1500) continue;
                 mean[way] += rig.handle_axial() / 500;
                 length += rig.inserted() / 1000;
-                for (unsigned i = 0; i < rig.free_count(); i++)
-                    normal += rig.contact_force(i).value_or(Vector3d::Zero())[2] / 1000;
+                for (unsigned i = 0; i < rig.free_count(); i++) {
+                    const Vector3d wall = rig.contact_force(i).value_or(Vector3d::Zero());
+                    normal += wall[2] / 1000;
+                    along[way] += wall[0] / 500;
+                }
             }
         }
         double force = (mean[0] - mean[1]) / 2 - 20 * length * 0.02 * speed_m_s;
         result.relative("mu_" + number_text(mu) + ".wall", "N", mu * normal, force, 1);
         result.relative("mu_" + number_text(mu) + ".weight", "N", mu * length * 0.02 * gravity_m_s2, force,
                         3);
+        result.relative("mu_" + number_text(mu) + ".reported", "N", mu * normal, (along[1] - along[0]) / 2,
+                        1);
     }
+    held_by_bristles(result);
+    catheter_on_the_floor(result);
 }
 
 // --- helix in a tube ---

@@ -6,13 +6,13 @@
 #include "host/base/terminal.hpp"
 #include "host/base/version.hpp"
 #include "tools/lab/validate/cases.hpp"
+#include "tools/lab/validate/docs_page.hpp"
 
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <mutex>
 #include <thread>
 
@@ -28,8 +28,6 @@ constexpr const char *examples =
     "  validate --quick --tap            a few figures per case in seconds, as a test\n"
     "  validate --docs docs/validation.md   also renew the table between the two marks of that page\n"
     "Exit codes: 0 every figure is within its tolerance, 1 some is not, 2 usage.\n";
-
-constexpr const char *mark_begin = "<!-- begin: written by `make validate` -->\n", *mark_end = "<!-- end -->";
 
 struct Options {
     std::string only, folder = "out", docs;
@@ -74,20 +72,6 @@ std::vector<Result> run_all(const std::vector<Case> &cases, const Options &optio
     return results;
 }
 
-// Replaces the text between the two marker comments of a documentation page.
-void write_docs(const std::string &path, const std::string &table)
-{
-    std::ifstream file(path, std::ios::binary);
-    std::string text{std::istreambuf_iterator<char>(file), {}};
-    std::size_t begin = text.find(mark_begin), end = text.find(mark_end);
-    if (!file || begin == std::string::npos || end == std::string::npos || end < begin) {
-        throw std::runtime_error(path + ": no '" + std::string(mark_begin, 36) + "' and '" + mark_end +
-                                 "' to write between");
-    }
-    begin += std::string(mark_begin).size();
-    crn::write_whole_file(path, text.substr(0, begin) + table + text.substr(end));
-}
-
 int finish(const std::vector<Result> &results, const Options &options)
 {
     bool passed = std::all_of(results.begin(), results.end(), [](const Result &r) { return r.passed(); });
@@ -101,7 +85,7 @@ int finish(const std::vector<Result> &results, const Options &options)
     crn::write_whole_file(
         html_path, html(results, options.only.empty() ? "make validate" : "validate --only " + options.only));
     crn::write_whole_file(tsv_path, tsv(results));
-    if (!options.docs.empty()) write_docs(options.docs, markdown(results));
+    if (!options.docs.empty()) write_between_marks(options.docs, "validate", markdown(results));
     for (const Result &result : results) {
         if (!result.failure.empty())
             std::printf("%s stopped: %s\n", result.name.c_str(), result.failure.c_str());
