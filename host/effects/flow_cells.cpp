@@ -68,6 +68,21 @@ void measure(FlowCell &cell, const VesselBranch &branch)
     cell.radius_mm = std::sqrt(volume_mm3 / (pi * cell.length_mm));
 }
 
+// Returns the branch as it would be without its lesions.
+VesselBranch without_lesions(const VesselTree &tree, std::size_t index)
+{
+    VesselBranch healthy = tree.branches[index];
+    for (const VesselLesion &lesion : tree.lesions) {
+        if (lesion.branch != index) continue;
+        const auto first = static_cast<std::ptrdiff_t>(lesion.first_point);
+        std::copy(lesion.healthy_points_m.begin(), lesion.healthy_points_m.end(),
+                  healthy.points_m.begin() + first);
+        std::copy(lesion.healthy_radii_m.begin(), lesion.healthy_radii_m.end(),
+                  healthy.radii_m.begin() + first);
+    }
+    return healthy;
+}
+
 constexpr std::size_t group_cells = 16;
 
 double wanted_length_m(double radius_m)
@@ -97,7 +112,7 @@ FlowCells::FlowCells(const VesselTree &tree)
 
 void FlowCells::cut(const VesselTree &tree, std::size_t index)
 {
-    const VesselBranch &branch = tree.branches[index];
+    const VesselBranch &branch = tree.branches[index], healthy = without_lesions(tree, index);
     const Line line(branch);
     const double begin_m = vessel_start_m(tree, index), length_m = line.length_m() - begin_m;
     // The faces between cells are first placed at the wanted distances. After the faces between cells have
@@ -117,6 +132,8 @@ void FlowCells::cut(const VesselTree &tree, std::size_t index)
         cell.first = line.at(a_m);
         cell.middle = line.at(0.5 * (a_m + b_m));
         cell.last = line.at(b_m);
+        measure(cell, healthy);
+        cell.healthy_per_r4_mm3 = cell.per_r4_mm3;
         measure(cell, branch);
         cells_.push_back(cell);
     }

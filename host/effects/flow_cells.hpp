@@ -17,7 +17,8 @@ struct FlowCell {
     int branch = 0;
     int upstream = -1; // the cell that feeds it; -1: the inlet
     double radius_mm = 0.0, length_mm = 0.0, volume_ml = 0.0;
-    double per_r4_mm3 = 0.0; // integral of ds / r^4: in proportion to the resistance
+    double per_r4_mm3 = 0.0;         // integral of ds / r^4: in proportion to the resistance
+    double healthy_per_r4_mm3 = 0.0; // the same without lesions
     // Mean flows out of the tree: into the bed behind the branch's end, into small vessels, and both
     // together; 0: nothing leaves here.
     double end_ml_s = 0.0, small_ml_s = 0.0, outlet_ml_s = 0.0;

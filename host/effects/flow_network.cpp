@@ -12,6 +12,7 @@ namespace
 using std::numbers::pi;
 constexpr double mmHg_per_Pa = 1.0 / 133.322;
 constexpr double wedged_share = 0.98; // of the lumen's radius; beyond it there is no flow
+constexpr double least_share = 0.25;  // of the pressure before a bed at the stated flow
 constexpr double blood_kg_m3 = 1060.0;
 constexpr double expansion_loss = 1.5; // K_t, approximately (Young and Tsai 1973)
 constexpr int settle_rounds = 60;      // each round at least halves the remaining error
@@ -57,7 +58,6 @@ FlowNetwork::FlowNetwork(const FlowCells &cells, double viscosity_mPa_s) : visco
     for (std::size_t i = 0; i < count; ++i) {
         const FlowCell &cell = cells[i];
         upstream_.push_back(cell.upstream);
-        outlet_.push_back(cell.outlet_ml_s / mean_pressure_mmHg);
         bed_.push_back(cell.bed);
         volume_ml_.push_back(cell.volume_ml);
     }
@@ -65,7 +65,9 @@ FlowNetwork::FlowNetwork(const FlowCells &cells, double viscosity_mPa_s) : visco
     for (int up : upstream_)
         if (up >= 0) ++fed[static_cast<std::size_t>(up)];
     for (std::size_t i = 0; i + 1 < count; ++i)
-        if (upstream_[i + 1] == static_cast<int>(i) && fed[i] == 1 && !(outlet_[i] > 0.0)) ends_run_[i] = 0;
+        if (upstream_[i + 1] == static_cast<int>(i) && fed[i] == 1 && !(cells[i].outlet_ml_s > 0.0))
+            ends_run_[i] = 0;
+    open_beds(cells);
     take_shape(cells);
     throat_loss_.resize(throats_.size());
     throat_flows_.assign(throats_.size(), 0.0);
@@ -73,14 +75,39 @@ FlowNetwork::FlowNetwork(const FlowCells &cells, double viscosity_mPa_s) : visco
     divide({});
 }
 
-// Computes the flow resistances of the cells by Hagen-Poiseuille: 8 mu/pi times the integral of ds/r^4 (mu:
+// Returns the flow resistance of a cell by Hagen-Poiseuille: 8 mu/pi times the integral of ds/r^4 (mu:
 // viscosity, r: radius, s: arc length), converted from Pa s/m^3 to mmHg s/ml.
+double FlowNetwork::poiseuille(double per_r4_mm3) const
+{
+    return 8.0 * viscosity_mPa_s_ * per_r4_mm3 / pi * mmHg_per_Pa;
+}
+
+// Opens every bed so far that its stated flow leaves the healthy vessels without tools at the mean pressure:
+// the bed takes the flow at the pressure that the arteries before it leave of the inlet's. A bed behind
+// arteries that would lose nearly all of the pressure at the stated flows is no more open than at the least
+// pressure; there the arteries limit the flow.
+void FlowNetwork::open_beds(const FlowCells &cells)
+{
+    const std::size_t count = cells.size();
+    std::vector<double> flow_ml_s(count, 0.0), end_mmHg(count, mean_pressure_mmHg);
+    for (std::size_t i = count; i-- > 0;) { // a cell comes after the one that feeds it
+        flow_ml_s[i] += cells[i].outlet_ml_s;
+        if (upstream_[i] >= 0) flow_ml_s[static_cast<std::size_t>(upstream_[i])] += flow_ml_s[i];
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        const double before_mmHg =
+            upstream_[i] < 0 ? mean_pressure_mmHg : end_mmHg[static_cast<std::size_t>(upstream_[i])];
+        end_mmHg[i] = before_mmHg - flow_ml_s[i] * poiseuille(cells[i].healthy_per_r4_mm3);
+        outlet_.push_back(cells[i].outlet_ml_s / std::max(end_mmHg[i], least_share * mean_pressure_mmHg));
+    }
+}
+
 void FlowNetwork::take_shape(const FlowCells &cells)
 {
     open_.resize(cells.size());
     radius_mm_.resize(cells.size());
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        open_[i] = 1.0 / (8.0 * viscosity_mPa_s_ * cells[i].per_r4_mm3 / pi * mmHg_per_Pa);
+        open_[i] = 1.0 / poiseuille(cells[i].per_r4_mm3);
         radius_mm_[i] = cells[i].radius_mm;
     }
     throats_ = cells.throats();

@@ -80,6 +80,8 @@ class FlowNetwork
                way = 0.0; // conductance from the last cell of the run upstream, without and with stenoses
         double pressure_mmHg = 0.0, injected_ml_s = 0.0;
     };
+    double poiseuille(double per_r4_mm3) const;
+    void open_beds(const FlowCells &cells);
     void take_shape(const FlowCells &cells);
     double smallest_ml(std::size_t begin, std::size_t end) const;
     void divide(std::span<const CellSource> sources);

@@ -256,10 +256,10 @@ Mesh solid_lumen(const LumenText &text, std::string &report)
 Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progress)
 {
     Mesh mesh;
+    std::vector<Curve> lines;
     if (text.lumen.centrelines.empty()) {
         mesh = text.lumen.solid_mm > 0 ? solid_lumen(text.lumen, report) : load_mesh(text.lumen.mesh);
     } else {
-        std::vector<Curve> lines;
         for (const std::filesystem::path &file : text.lumen.centrelines)
             for (Curve &line : read_centrelines(file, text.lumen.mesh.placement))
                 lines.push_back(std::move(line));
@@ -268,6 +268,7 @@ Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progres
     check_closed(mesh, text.lumen.mesh.cap);
     check_crossing(mesh, progress);
     report += notes_of(mesh);
+    if (!lines.empty()) report += narrowing_warning(mesh, lines, text.lumen.surface_mm);
     return mesh;
 }
 

@@ -28,4 +28,9 @@ CurvePoint along(const Curve &line, bool from_last, double distance_mm);
 // mesh is made on a grid of the given voxel size.
 Mesh surface_of(const std::vector<Curve> &lines, double voxel_mm, Progress &progress);
 
+// The flat triangles of such a surface lie inside the round vessel, by about the square of the voxel over the
+// radius. Returns a warning with place, error and the voxel that would hold the radius, if a sphere of the
+// curves lacks more than 2 % of its radius; otherwise an empty text. `surface` has passed check_closed.
+std::string narrowing_warning(const Mesh &surface, const std::vector<Curve> &lines, double voxel_mm);
+
 } // namespace crn::bake

@@ -1,7 +1,9 @@
 // Converts tapered capsules to a closed mesh: computes distances on a grid near the wall, and takes the
 // surface of zero distance.
+#include "host/base/format.hpp"
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/fault.hpp"
+#include "tools/bake/triangle_tree.hpp"
 #include "tools/mesh/files/mesh_file.hpp"
 #include "tools/mesh/level_set/level_set.hpp"
 
@@ -16,6 +18,7 @@ namespace
 
 using mesh::block_edge;
 constexpr double surface_band_voxels = 3.0;
+constexpr double surface_voxel_min_mm = 0.1;  // the least surface_mm that a scene's text may state
 constexpr std::size_t blocks_max = 2'000'000; // about 1 billion voxels are examined
 
 using centreline::Sphere;
@@ -113,6 +116,36 @@ Mesh surface_of(const std::vector<Curve> &lines, double voxel_mm, Progress &prog
                     " triangles, over " + std::to_string(mesh_triangles_max) + ": make surface_mm larger");
     weld(mesh);
     return mesh;
+}
+
+std::string narrowing_warning(const Mesh &surface, const std::vector<Curve> &lines, double voxel_mm)
+{
+    constexpr double share_max = 0.02, step_mm = 0.05;
+    const TriangleTree wall(surface);
+    double worst = 0.0, inside_mm = 0.0;
+    Sphere place{Eigen::Vector3d::Zero(), 0.0};
+    for (const Curve &line : lines)
+        for (const Sphere &sphere : line.spheres) {
+            // The round ends of a curve are not what its author means by the vessel's width.
+            const double end_mm = std::min((sphere.centre_mm - line.spheres.front().centre_mm).norm(),
+                                           (sphere.centre_mm - line.spheres.back().centre_mm).norm());
+            if (end_mm < sphere.radius_mm) continue;
+            const double lost_mm = sphere.radius_mm + wall.nearest(sphere.centre_mm).distance_mm;
+            if (lost_mm <= worst * sphere.radius_mm) continue;
+            worst = lost_mm / sphere.radius_mm;
+            inside_mm = lost_mm;
+            place = sphere;
+        }
+    if (worst <= share_max) return "";
+    const double holds_mm = step_mm * std::floor(voxel_mm * std::sqrt(share_max / worst) / step_mm);
+    std::string remedy = formatted("surface_mm = %.2f in [lumen] would hold it to 2 %%", holds_mm);
+    if (holds_mm < surface_voxel_min_mm)
+        remedy = formatted("state surface_mm = %.1f in [lumen], the finest one", surface_voxel_min_mm);
+    return formatted(
+        "warning: the surface of voxels of %.2f mm is %.3f mm inside the radius of %.2f mm that the "
+        "centreline has at %s (%.1f %%), so the vessel is too narrow there: %s\n",
+        voxel_mm, inside_mm, place.radius_mm, place_text(place.centre_mm).c_str(), 100 * worst,
+        remedy.c_str());
 }
 
 } // namespace crn::bake

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 namespace crn::patient
 {
@@ -142,6 +143,36 @@ std::string axes_for(const std::vector<RawPart> &parts, const PartsWish &wish, C
     return axes;
 }
 
+// Drops the triangles that a mesh has more than once, whichever way they look: some programs write a second
+// layer for the back of a surface, or a shell twice. Returns how many were dropped. The first one of each
+// stays.
+std::size_t drop_doubled(bake::Mesh &mesh)
+{
+    std::set<bake::Triangle> seen;
+    return std::erase_if(mesh.triangles, [&](bake::Triangle corners) {
+        std::sort(corners.begin(), corners.end());
+        return !seen.insert(corners).second;
+    });
+}
+
+// Drops the parts that have the same triangles at the same places as an earlier part. Returns how many
+// triangles were dropped.
+std::size_t drop_doubled_parts(std::vector<Part> &parts)
+{
+    std::size_t dropped = 0;
+    for (std::size_t p = parts.size(); p-- > 1;) {
+        const bake::Mesh &mesh = parts[p].mesh;
+        const bool is_doubled = std::any_of(
+            parts.begin(), parts.begin() + static_cast<std::ptrdiff_t>(p), [&](const Part &other) {
+                return other.mesh.triangles == mesh.triangles && other.mesh.vertices_mm == mesh.vertices_mm;
+            });
+        if (!is_doubled) continue;
+        dropped += mesh.triangles.size();
+        parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(p));
+    }
+    return dropped;
+}
+
 } // namespace
 
 Eigen::Matrix3d axes_of(const std::string &text)
@@ -208,6 +239,7 @@ std::vector<Part> read_parts(const PartsWish &wish, Choices &choices, Frame &fra
                     "the mesh lies more than a metre from the origin", "");
     }
     std::vector<Part> parts;
+    std::size_t doubled = 0;
     for (RawPart &part : raw) {
         bake::Mesh mesh;
         mesh.name = raw.size() > 1 ? part.file.string() + ", part " + part.name : part.file.string();
@@ -215,8 +247,13 @@ std::vector<Part> read_parts(const PartsWish &wish, Choices &choices, Frame &fra
             mesh.vertices_mm.push_back(frame.placement.place({v[0], v[1], v[2]}, unit_mm));
         mesh.triangles = part.piece.triangles;
         bake::weld(mesh);
+        doubled += drop_doubled(mesh);
         parts.push_back({part.name, std::move(mesh)});
     }
+    doubled += drop_doubled_parts(parts);
+    if (doubled > 0)
+        choices.add("doubled", formatted("%zu triangles count once", doubled),
+                    "they are there more than once, with the same corners", "");
     return parts;
 }
 

@@ -377,24 +377,43 @@ double reach_mm(const Tree &tree, const TreeEnd &end)
     return best;
 }
 
-// A session that shows the vessel: a guidewire that fits goes on from the entry.
+// A session that shows the vessel: a guidewire that fits goes on from the entry, a catheter follows it, the
+// wire is withdrawn, and contrast medium is injected during a DSA run. Its frame with the medium stays on the
+// screen.
 std::string session_text(const SceneWish &wish, const Tree &tree, const TreeEnd &end, Choices &choices)
 {
     constexpr double wide_mm = 2.0; // a J of 3 mm opens in it
+    constexpr double trunk_mm = 6.0, behind_mm = 20.0;
     const bool is_wide = end.radius_mm >= wide_mm;
-    const std::string tool = is_wide ? "j_wire" : "coronary_014";
+    const std::string wire = is_wide ? "j_wire" : "coronary_014",
+                      catheter = is_wide ? "terumo_5f" : "terumo_4f";
     const double far_mm =
         std::clamp(std::floor(0.5 * (reach_mm(tree, end) - entry_mm) / 10) * 10, 10.0, 150.0);
+    const double catheter_mm = std::max(far_mm - behind_mm, 5.0);
     const int field = std::clamp(static_cast<int>(far_mm / 10) + 12, 16, 32);
-    choices.add("session", formatted("%s, advanced by %.0f mm", tool.c_str(), far_mm),
+    double widest_mm = 0.0; // blood dilutes the medium: a trunk needs more
+    for (const Branch &branch : tree.branches)
+        widest_mm = std::max(widest_mm, branch.spheres[branch.spheres.size() / 2].radius_mm);
+    const std::string injection = widest_mm >= trunk_mm ? "20 ml at 15 ml/s"
+                                  : is_wide             ? "10 ml at 6 ml/s"
+                                                        : "5 ml at 3 ml/s";
+    choices.add("session",
+                formatted("%s, advanced by %.0f mm; %s behind it; DSA with %s", wire.c_str(), far_mm,
+                          catheter.c_str(), injection.c_str()),
                 "half of the way to the farthest end, at most 150 mm", "practice.session may be changed");
     return formatted(
-        "# A %s goes from the entry into the vessel. Made by `cournand patient new`; it may be changed.\n"
-        "needs scene %s\nneeds tool %s\nfluoro on\nfollow tip\nfield %d cm\nwait 0.7 s\n"
-        "advance %.0f mm at 30 mm/s in strokes of 50 mm\nwait 0.5 s\nexpect inserted at least %.0f mm\n",
+        "# A %s goes from the entry into the vessel, and a catheter follows it. Then contrast medium shows "
+        "the\n"
+        "# vessels. Made by `cournand patient new`; it may be changed.\n"
+        "needs scene %s\nneeds tools %s, %s\nfluoro on\nfollow tip\nfield %d cm\nwait 0.7 s\n"
+        "advance wire %.0f mm at 30 mm/s in strokes of 50 mm\nwait 0.5 s\nexpect inserted at least %.0f mm\n"
+        "follow off\nadvance catheter %.0f mm at 30 mm/s in strokes of 50 mm\n"
+        "withdraw wire until inserted 0 mm at 50 mm/s\naspirate 3 ml\nfluoro off\nwait 0.5 s\n"
+        "# The first frame is the mask: medium comes after it.\n"
+        "dsa on rate 6 f/s\nwait 0.7 s\ninject %s\nwait 3 s\ndsa off\nreview run 1 frame 11\nwait 0.2 s\n",
         is_wide ? "J wire" : "coronary wire",
-        fs::absolute(wish.folder / "patient.scene").lexically_normal().c_str(), tool.c_str(), field, far_mm,
-        0.9 * far_mm);
+        fs::absolute(wish.folder / "patient.scene").lexically_normal().c_str(), wire.c_str(),
+        catheter.c_str(), field, far_mm, 0.9 * far_mm, catheter_mm, injection.c_str());
 }
 
 } // namespace

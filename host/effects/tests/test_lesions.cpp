@@ -137,11 +137,13 @@ void the_flow_is_the_one_at_which_drops_add_up(void **)
 {
     const double throat_mm = 0.375,
                  rest_of_vessel = 8 * viscosity_mPa_s * 50 / (pi * std::pow(healthy_mm, 4)) * mmHg_per_Pa;
+    // At rest, the bed takes the stated flow at the pressure that 70 mm of healthy vessel leave.
+    const double bed = mean_pressure_mmHg / flow_ml_s -
+                       8 * viscosity_mPa_s * 70 / (pi * std::pow(healthy_mm, 4)) * mmHg_per_Pa;
     double low = 0, high = flow_ml_s;
     for (int i = 0; i < 60; ++i) {
         const double q = 0.5 * (low + high);
-        const double sum = q * mean_pressure_mmHg / flow_ml_s + viscous_mmHg(throat_mm, q) +
-                           jet_mmHg(throat_mm, q) + rest_of_vessel * q;
+        const double sum = q * bed + viscous_mmHg(throat_mm, q) + jet_mmHg(throat_mm, q) + rest_of_vessel * q;
         (sum > mean_pressure_mmHg ? high : low) = q;
     }
     within("ml/s", figures_of(vessel(throat_mm)).rest_flow_ml_s, low, 0.005);

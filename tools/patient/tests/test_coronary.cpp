@@ -114,7 +114,7 @@ static double ratio_by_closed_form(double openness, double &flow_ml_s)
 {
     const double rest_ml_s = pi / 4 * 500 * std::pow(radius_mm, 3) * 1e-3;               // Murray
     const double tube = 8 * viscosity_mPa_s / pi / std::pow(radius_mm, 4) * mmHg_per_Pa; // mmHg s/ml and mm
-    const double bed = 88.0 / rest_ml_s / openness;
+    const double bed = (88.0 / rest_ml_s - tube * length_mm) / openness;
     double low = 0.0, high = openness * rest_ml_s;
     for (int i = 0; i < 80; ++i) {
         const double q = 0.5 * (low + high);

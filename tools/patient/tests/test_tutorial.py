@@ -104,11 +104,14 @@ def played(folder):
         return ["cournand run: exit code %d: %s" % (code, said[-400:])]
     if not re.search(r"^held .*inserted", said, re.M):
         return ["the session's expectation is not reported: " + said[-400:]]
-    inside = re.search(r"^  tip .*\(([\d.]+) mm inside\)", said, re.M)
-    if not inside or float(inside.group(1)) < 5:
+    # The wire has left the vessel at the end, and the catheter is in it.
+    inside = [float(mm) for mm in re.findall(r"^  tip .*\(([\d.]+) mm inside\)", said, re.M)]
+    if max(inside, default=0) < 5:
         return ["the tip is not in the vessel: " + said[-400:]]
     with open(report, encoding="utf-8") as text:
-        json.load(text)
+        figures = json.load(text)
+    if figures["contrast"]["injected_ml"] < 4 or not figures["room"]["runs"]:
+        return ["no contrast medium is injected in a run, so nobody sees the vessel: " + said[-400:]]
     return []
 
 
@@ -128,6 +131,7 @@ def check_shapes(report):
         "metres.stl": scaled(bent, 1e-3),
         "inside_out.stl": tube(4, 150, 60, turned=True),
         "wall.obj": wall,
+        "twice.stl": together(bent, bent),
     }
     with tempfile.TemporaryDirectory() as folder:
         for name, mesh in shapes.items():
@@ -140,6 +144,8 @@ def check_shapes(report):
             # The entry lies on the middle line, an arc of 60 mm about (60, 0, 0).
             if entry and abs(math.hypot(math.hypot(entry[0] - 60, entry[1]) - 60, entry[2])) > 0.4:
                 faults.append("the entry (%.1f, %.1f, %.1f) is not in the middle" % tuple(entry))
+            if name == "twice.stl" and not re.search(r"^doubled +2880 triangles count once", said, re.M):
+                faults.append("the doubled triangles are not reported: " + said[-500:])
             report.check("%s becomes a scene" % name, faults)
             if name in ("tube.obj", "wall.obj"):
                 report.check("%s plays" % name, faults or played(scene))
