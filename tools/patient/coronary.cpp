@@ -47,6 +47,14 @@ std::string name_list(const std::vector<std::string> &names)
     return "[" + text + "]";
 }
 
+// No artery of another organ has such a name.
+bool is_sure(const std::string &text)
+{
+    return says_any(text, {"coronar", "_left_main_", "interventricular", "ventricular_branch",
+                           "ventricular_artery", "anterior_descending", "posterior_descending",
+                           "ramus_intermed", "_lad_", "_lcx_", "_rca_", "_lmca_"});
+}
+
 } // namespace
 
 bool is_coronary_name(const std::string &name)
@@ -54,34 +62,23 @@ bool is_coronary_name(const std::string &name)
     const std::string text = as_words(name);
     // Arteries of the arm, the leg, the gut and the nose are called circumflex, marginal and septal, too.
     if (says_any(text, {"vein", "venous", "sinus", "femoral", "humeral", "iliac", "scapul", "coli", "colon",
-                        "nasal", "cerebr"}))
+                        "drummond", "nasal", "cerebr"}))
         return false;
-    return says_any(text, {"coronar",
-                           "_left_main_",
-                           "interventricular",
-                           "circumflex",
-                           "diagonal",
-                           "marginal_branch",
-                           "marginal_artery",
-                           "ventricular_branch",
-                           "ventricular_artery",
-                           "anterior_descending",
-                           "posterior_descending",
-                           "septal",
-                           "ramus_intermed",
-                           "conus_",
-                           "_lad_",
-                           "_lcx_",
-                           "_rca_",
-                           "_lmca_",
-                           "_pda_",
-                           "_plv_"});
+    return is_sure(text) || says_any(text, {"circumflex", "diagonal", "marginal_branch", "marginal_artery",
+                                            "septal", "conus_", "_pda_", "_plv_"});
 }
 
 CoronaryBranches coronary_branches(const centreline::Tree &tree, const std::string &root_name)
 {
     CoronaryBranches found;
     std::vector<std::optional<Side>> sides;
+    // Other organs have marginal and diagonal arteries, too: such a name counts beside one that is sure.
+    const bool has_heart =
+        is_coronary_name(root_name) ||
+        std::any_of(tree.branches.begin(), tree.branches.end(), [](const centreline::Branch &branch) {
+            return is_coronary_name(branch.name) && is_sure(as_words(branch.name));
+        });
+    if (!has_heart) return found;
     for (const centreline::Branch &branch : tree.branches) { // parents come before their branches
         const bool is_root = branch.parent < 0;
         std::optional<Side> side = is_root ? std::nullopt : sides[static_cast<std::size_t>(branch.parent)];

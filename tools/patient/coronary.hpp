@@ -20,8 +20,9 @@ struct CoronaryBranches {
 };
 
 // A branch of a coronary artery is one, too, and has the side of the artery that it leaves. If `root_name` is
-// that of a coronary artery, the whole tree is coronary. A name that does not say the side, such as
-// "coronary_arteries", has the side to which the artery goes (+x is the patient's left).
+// that of a coronary artery, the whole tree is coronary. A name such as "marginal_artery", which arteries of
+// other organs have, too, counts only in a tree with a name that is surely coronary. A name that does not say
+// the side, such as "coronary_arteries", has the side to which the artery goes (+x is the patient's left).
 CoronaryBranches coronary_branches(const centreline::Tree &tree, const std::string &root_name);
 
 } // namespace crn::patient

@@ -5,6 +5,7 @@
 #include "shared/scene/scene.h"
 #include "tools/bake/bake.hpp"
 #include "tools/bake/fault.hpp"
+#include "tools/bake/solid.hpp"
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/formats.hpp"
 #include "tools/patient/coronary.hpp"
@@ -146,7 +147,8 @@ CoronaryBranches find_coronaries(const Tree &tree, const std::vector<Part> &part
     return found;
 }
 
-// Ways are found on a grid: two voxels across the thinnest part, as far as three million voxels allow.
+// Ways are found on a grid: two voxels across the thinnest part, as far as three million voxels inside and
+// the box around all of them allow.
 double voxel_for_tree(const WholeLumen &lumen)
 {
     constexpr double voxels_max = 3e6, voxels_usual = 1e6, voxel_min_mm = 0.15, voxel_max_mm = 1.0;
@@ -155,7 +157,11 @@ double voxel_for_tree(const WholeLumen &lumen)
     for (const bake::Mesh &own : lumen.own)
         wanted_mm =
             std::min(wanted_mm, std::abs(bake::volume_mm3(own)) / std::max(1e-9, bake::area_mm2(own)));
-    return std::clamp(std::max(wanted_mm, std::cbrt(volume_mm3 / voxels_max)), voxel_min_mm, voxel_max_mm);
+    Eigen::AlignedBox3d box;
+    for (const Vector3d &v : lumen.closed.vertices_mm) box.extend(v);
+    const double least_mm =
+        std::cbrt(std::max(volume_mm3 / voxels_max, box.volume() / (0.8 * bake::solid_voxels_max)));
+    return std::max(std::clamp(wanted_mm, voxel_min_mm, voxel_max_mm), least_mm);
 }
 
 // The lower end of the ascending aorta, if a part has its name and is in the lumen: there the blood comes

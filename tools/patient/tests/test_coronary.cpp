@@ -57,6 +57,18 @@ static void branches_of_a_coronary_artery_are_coronary_and_of_its_side(void **)
     assert_int_equal(coronary_branches({{branch("branch_1", -1, {0, 50, 0})}}, "RCA").right.size(), 1);
 }
 
+// An artery of the gut is called marginal artery of Drummond.
+static void arteries_of_another_organ_are_not_coronary(void **)
+{
+    const centreline::Tree gut = {
+        {branch("left_colic_artery", -1, {0, 50, 0}), branch("marginal_artery_of_drummond", 0, {20, 0, 0}),
+         branch("marginal_artery", 1, {40, 0, 0}), branch("superior_mesenteric_artery", 2, {0, -9, 0})}};
+    assert_true(coronary_branches(gut, "").is_empty());
+    const centreline::Tree heart = {{branch("aorta", -1, {0, 50, 0}), branch("LCX", 0, {20, 0, 0}),
+                                     branch("marginal_artery", 0, {40, 0, 0})}};
+    assert_int_equal(coronary_branches(heart, "").left.size(), 2);
+}
+
 // --- the flow reserve of a stenosis ---
 
 constexpr double radius_mm = 2.0, length_mm = 100.0, at_mm = 40.0, lesion_mm = 20.0, narrowed = 0.6;
@@ -170,6 +182,7 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(coronary_tests::coronary_arteries_are_known_by_their_names),
         cmocka_unit_test(coronary_tests::branches_of_a_coronary_artery_are_coronary_and_of_its_side),
+        cmocka_unit_test(coronary_tests::arteries_of_another_organ_are_not_coronary),
         cmocka_unit_test(coronary_tests::a_stenosis_of_an_own_coronary_artery_meets_hyperaemic_flow),
         cmocka_unit_test(coronary_tests::a_stenosis_elsewhere_is_said_to_meet_resting_flow)};
     cmocka_set_message_output(CM_OUTPUT_TAP);

@@ -332,6 +332,25 @@ void a_fork_enters_at_its_lowest_wide_end(void **)
     assert_true(other.entry.direction.y() < 0);
 }
 
+// Vessels of the gut are thin and far apart: voxels as fine as their volume allows are too many for the box.
+void a_thin_vessel_in_a_large_box_becomes_a_scene(void **)
+{
+    constexpr double radius_mm = 1.5, bend_mm = 120, length_mm = 750, rise = 0.3;
+    constexpr int along = 750, around = 24;
+    bake::Mesh helix = tube_mesh(radius_mm, length_mm, bend_mm, along, around);
+    for (std::size_t i = 0; i < helix.vertices_mm.size(); ++i)
+        helix.vertices_mm[i].z() += rise * length_mm / along * static_cast<double>(i / around);
+    const Folder folder;
+    SceneWish wish;
+    wish.folder = folder.path / "scene";
+    Choices choices;
+    make_scene_folder({{"gut", helix}}, {"mm", "+x,+y,+z", {}}, wish, choices, own_progress);
+    const centreline::Tree tree = centreline::read_tree(wish.folder / "tree.csv");
+    assert_int_equal(tree.branches.size(), 1);
+    is_near(centreline::length_mm(tree.branches[0]), length_mm * std::hypot(1.0, rise), 0.02,
+            "length of the centreline in mm");
+}
+
 // --- real parts (../shared/anatomy) ---
 
 std::filesystem::path anatomy(const char *file)
@@ -396,6 +415,7 @@ int main()
                                 cmocka_unit_test(names_are_short_and_unique),
                                 cmocka_unit_test(a_bent_tube_becomes_a_scene),
                                 cmocka_unit_test(a_fork_enters_at_its_lowest_wide_end),
+                                cmocka_unit_test(a_thin_vessel_in_a_large_box_becomes_a_scene),
                                 cmocka_unit_test(a_real_wall_has_a_tree)};
     cmocka_set_message_output(CM_OUTPUT_TAP);
     return cmocka_run_group_tests(tests, nullptr, nullptr);
