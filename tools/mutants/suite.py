@@ -82,7 +82,7 @@ class Programs:
 
     def filter_object(self):
         path = os.path.join(self.folder, "one_test.o")
-        output_of(["cc", "-O1", "-fPIC", "-c", os.path.join(HERE, "one_test.c"), "-o", path])
+        output_of(["cc", "-O1", "-fPIC", "-c", os.path.join(HERE, "tests", "one_test.c"), "-o", path])
         return path
 
     def link(self, program):
