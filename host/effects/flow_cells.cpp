@@ -1,5 +1,6 @@
 #include "host/effects/flow_cells.hpp"
 #include "host/effects/small_flows.hpp"
+#include "host/model/lesion_wall.hpp"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -68,21 +69,6 @@ void measure(FlowCell &cell, const VesselBranch &branch)
     cell.radius_mm = std::sqrt(volume_mm3 / (pi * cell.length_mm));
 }
 
-// Returns the branch as it would be without its lesions.
-VesselBranch without_lesions(const VesselTree &tree, std::size_t index)
-{
-    VesselBranch healthy = tree.branches[index];
-    for (const VesselLesion &lesion : tree.lesions) {
-        if (lesion.branch != index) continue;
-        const auto first = static_cast<std::ptrdiff_t>(lesion.first_point);
-        std::copy(lesion.healthy_points_m.begin(), lesion.healthy_points_m.end(),
-                  healthy.points_m.begin() + first);
-        std::copy(lesion.healthy_radii_m.begin(), lesion.healthy_radii_m.end(),
-                  healthy.radii_m.begin() + first);
-    }
-    return healthy;
-}
-
 constexpr std::size_t group_cells = 16;
 
 double wanted_length_m(double radius_m)
@@ -99,10 +85,11 @@ double murray_flow_ml_s(double radius_mm)
 
 FlowCells::FlowCells(const VesselTree &tree)
 {
+    const VesselTree healthy = healthy_tree(tree);
     for (std::size_t b = 0; b < tree.branches.size(); ++b) {
         branch_begin_.push_back(cells_.size());
         points_m_.push_back(tree.branches[b].points_m);
-        cut(tree, b);
+        cut(tree, b, healthy.branches[b]);
     }
     branch_begin_.push_back(cells_.size());
     feed_small_vessels(tree);
@@ -110,9 +97,9 @@ FlowCells::FlowCells(const VesselTree &tree)
     find_middles();
 }
 
-void FlowCells::cut(const VesselTree &tree, std::size_t index)
+void FlowCells::cut(const VesselTree &tree, std::size_t index, const VesselBranch &healthy)
 {
-    const VesselBranch &branch = tree.branches[index], healthy = without_lesions(tree, index);
+    const VesselBranch &branch = tree.branches[index];
     const Line line(branch);
     const double begin_m = vessel_start_m(tree, index), length_m = line.length_m() - begin_m;
     // The faces between cells are first placed at the wanted distances. After the faces between cells have

@@ -81,7 +81,7 @@ class FlowCells
     std::size_t nearest(const Eigen::Vector3d &place_m, std::size_t guess) const;
 
   private:
-    void cut(const VesselTree &tree, std::size_t branch);
+    void cut(const VesselTree &tree, std::size_t branch, const VesselBranch &healthy);
     void feed_small_vessels(const VesselTree &tree);
     bool is_alike(const VesselTree &tree) const;
     FlowThroat throat_of(const VesselTree &tree, const VesselLesion &lesion) const;
