@@ -8,8 +8,9 @@ namespace
 {
 
 // A constant part of the mean flow passes during the whole beat. The other part of the mean flow rises and
-// falls once per beat. These fractions are assumptions (docs/contrast.md).
-constexpr double left_coronary_even = 0.25;  // the hump fills diastole
+// falls once per beat. The left fraction is fitted to Doppler wires in patients, and the right one is assumed
+// (docs/contrast.md).
+constexpr double left_coronary_even = 0.65;  // the hump fills diastole
 constexpr double right_coronary_even = 0.75; // the hump fills diastole
 
 // The curve over `place`, 0 .. 1, is 0 at both ends and 15/8 in the middle; its mean is 1.

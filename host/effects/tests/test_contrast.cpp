@@ -364,7 +364,7 @@ void the_cell_is_that_of_a_search_of_all_cells(void **)
 
 // --- time ---
 
-void aorta_flows_in_systole_and_left_coronary_in_diastole(void **)
+void aorta_flows_in_systole_and_coronary_beds_more_in_diastole(void **)
 {
     double sum[3] = {0, 0, 0}, systolic[3] = {0, 0, 0};
     for (std::uint32_t tick = 0; tick < 60000; ++tick) {
@@ -376,8 +376,16 @@ void aorta_flows_in_systole_and_left_coronary_in_diastole(void **)
         }
     }
     for (double bed : sum) within("mean openness", bed / 60000, 1.0, 1e-3);
-    // Systole takes a fraction of 0.34 of the heartbeat.
-    assert_true(systolic[0] / sum[0] > 0.5 && systolic[1] / sum[1] < 0.2 && systolic[2] / sum[2] < 0.34);
+    assert_true(systolic[0] / sum[0] > 0.5);
+    // Doppler wires in 301 patients: mean velocity of diastole over that of systole, 1.85 +- 0.70 in the left
+    // artery and 1.53 +- 0.34 in the right one (Seligman et al., EuroIntervention 2021). The bar is three
+    // times the difference from these means, and a quarter of the deviations or less.
+    const double systole_share = steady_beat(0, 70).systole_s / steady_beat(0, 70).beat_s;
+    auto diastole_over_systole = [&](std::size_t bed) {
+        return (sum[bed] - systolic[bed]) / (1.0 - systole_share) / (systolic[bed] / systole_share);
+    };
+    within("left coronary bed, diastole over systole", diastole_over_systole(1), 1.85, 0.05);
+    within("right coronary bed, diastole over systole", diastole_over_systole(2), 1.53, 0.05);
     BeatPhase none;
     none.is_beating = false;
     assert_true(flow_drive(none).pressure_mmHg == 0.0);
@@ -523,7 +531,7 @@ int main()
         cmocka_unit_test(side_holes_share_the_flow),
         cmocka_unit_test(the_cell_is_that_of_the_vessel_in_which_the_tip_lies_deepest),
         cmocka_unit_test(the_cell_is_that_of_a_search_of_all_cells),
-        cmocka_unit_test(aorta_flows_in_systole_and_left_coronary_in_diastole),
+        cmocka_unit_test(aorta_flows_in_systole_and_coronary_beds_more_in_diastole),
         cmocka_unit_test(the_pressure_is_that_of_a_windkessel),
         cmocka_unit_test(an_aorta_at_the_heart_stores_blood_behind_a_valve),
         cmocka_unit_test(a_wide_descending_aorta_has_no_valve),
