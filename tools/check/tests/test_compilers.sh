@@ -6,8 +6,9 @@
 # compare_compilers.sh (make compilers).
 set -uo pipefail
 cd "$(dirname "$0")/../../.." || exit 1
-library="${BUILD:-build}/lib/libfirmware_core.a"
-sanitized="${BUILD:-build}/san/lib/libfirmware_core.a"
+built="${CRN_SHIPPED:-${BUILD:-build}}"
+library="$built/lib/libfirmware_core.a"
+sanitized="$built/san/lib/libfirmware_core.a"
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT
 

@@ -24,7 +24,7 @@ TARGETS = {
     "x86-32": ["clang", "--target=i686-linux-gnu", "-O2"],
     "Cortex-M7": ["clang", "--target=thumbv7em-none-eabihf", "-mcpu=cortex-m7", "-O2"],
 }
-BUILD = os.environ.get("BUILD", "build")
+BUILD = os.environ.get("CRN_SHIPPED") or os.environ.get("BUILD", "build")
 BUILT = {
     "x86-64": "firmware/core/CMakeFiles/crn_firmware_core.dir",
     "Cortex-M7": "m7/firmware/images/CMakeFiles/image_core.dir",
