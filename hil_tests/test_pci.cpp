@@ -226,8 +226,8 @@ template <typename Answer> void copy_changed(const std::string &from, const std:
 // The test lets the tip of a guiding catheter snap over the ostium of a branch; the tip must snap only once.
 // When the core holds back the motion of the nested tools, no hand may feel a shaking force. Core 14 scaled
 // the step down in each of 60 ticks; the hands then felt 6.3 and 5.4 N here, with a false CORE_FEED_LIMIT.
-// When more ticks than the first are scaled down, the forces are 5.8 and 5.7 N. The tolerance is 4.5 N; the
-// largest felt force is 3.8 N.
+// When more ticks than the first are scaled down, the forces are 5.8 and 5.7 N. The tolerance is 5.2 N; the
+// largest felt force is 4.5 N since static friction holds the guide until it snaps (3.8 N before).
 void the_snap_of_a_guide_does_not_shake_the_hands(void **)
 {
     for (const std::string speed : {"40", "80"}) {
@@ -244,7 +244,7 @@ void the_snap_of_a_guide_does_not_shake_the_hands(void **)
                              in_folder("snap.session") + " --json " + in_folder("snap.json"));
         const nlohmann::json report = nlohmann::json::parse(std::ifstream(folder / "snap.json"));
         for (const nlohmann::json &tool : report["tools"])
-            check("hand force, N", tool["handle_force_max_N"], 0, 4.5);
+            check("hand force, N", tool["handle_force_max_N"], 0, 5.2);
         for (const nlohmann::json &fault : report["faults"])
             assert_string_equal(fault["name"].get<std::string>().c_str(), "CORE_STEP_CAPPED");
     }

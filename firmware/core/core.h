@@ -24,7 +24,7 @@
 #endif
 
 enum {
-    CRN_CORE_VERSION = 16,      /* changes whenever the same inputs may give another hash */
+    CRN_CORE_VERSION = 17,      /* changes whenever the same inputs may give another hash */
     CRN_TOOL_MAX = 3,           /* positions of one line, each with one coaxial tool or none */
     CRN_TABLE_MAX = 8,          /* tools that one session can use, on the line and beside it */
     CRN_KNOT_MAX = 32,          /* knots of one instrument */

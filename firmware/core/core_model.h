@@ -26,6 +26,7 @@ enum {
     CRN_CONTACT_STIFFNESS_N_m = 5000,       /* normal penalty; 2e4 chatters at r = 1.5 mm */
     CRN_CONTACT_STIFFNESS_DEEP_N_m = 20000, /* added beyond CRN_CONTACT_DEEP */
     CRN_FRICTION_STIFFNESS_N_m = 2000,      /* bristle */
+    CRN_CREEP_M_Q33 = 8590,  /* 1 um in a tick, 1 mm/s: up to this speed static friction acts */
     CRN_FRICTION_GROWTH = 8, /* growth of friction while a node does not stick, relative to its last force:
                                 0.2 mN become 0.8 N after four ticks */
     CRN_FRICTION_FRESH_N_Q22 = 839, /* 0.2 mN: friction of a node that has just touched */

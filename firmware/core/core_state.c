@@ -163,7 +163,7 @@ static bool node_is_valid(const crn_node_state *node)
     }
     return turns && is_tangent(&node->tangent_q30) && is_small(&node->step_m_q33, STEP_MAX_M_Q33) &&
            is_small(&node->bristle_m_q33, BRISTLE_MAX_M_Q33) &&
-           is_small(&node->position_m_q30, CRN_POSITION_MAX_M_Q30) && node->contact <= CRN_CONTACT_STICKS;
+           is_small(&node->position_m_q30, CRN_POSITION_MAX_M_Q30) && node->contact <= CRN_CONTACT_CREEPS;
 }
 
 /* No edge may be longer than twice its unstretched length, because the computation of a tick never produces a

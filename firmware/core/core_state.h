@@ -20,11 +20,12 @@ typedef struct crn_node_state {
     /* edge i: material axis d1 against the axis carried from the inserter */
     uint32_t angle_turn32[CRN_TOOL_MAX];
     int32_t spin_q30[CRN_TOOL_MAX]; /* edge i: rotation in the last tick, radians */
-    int32_t grip_q30[CRN_PAIR_MAX]; /* edge i: elastic rotation of tool k inside tool k + 1, radians */
-    uint32_t contact;               /* CRN_CONTACT_* */
+    /* edge i: elastic rotation of tool k inside the tool directly around it, radians */
+    int32_t grip_q30[CRN_PAIR_MAX];
+    uint32_t contact; /* CRN_CONTACT_* */
 } crn_node_state;
 
-enum { CRN_CONTACT_NONE = 0, CRN_CONTACT_SLIPS = 1, CRN_CONTACT_STICKS = 2 };
+enum { CRN_CONTACT_NONE = 0, CRN_CONTACT_SLIPS = 1, CRN_CONTACT_STICKS = 2, CRN_CONTACT_CREEPS = 3 };
 
 typedef struct crn_tool_state {
     int32_t inserted_m_q30;    /* s: length from the inserter's distal end to the tip */
@@ -32,11 +33,11 @@ typedef struct crn_tool_state {
                                   slips */
     uint32_t base_turn32;      /* angle of the tool's material frame in the inserter */
     int32_t handle_axial_N_q22;
-    int32_t slide_grip_m_q33; /* friction: elastic slide of this tool inside the next one */
+    /* Of a contact between tools: 0: tool 0 in tool 1; 1: tools 0 and 1 in tool 2; 2: tool 0 in tool 2 where
+     * tool 1 does not lie between them. */
+    int32_t slide_grip_m_q33; /* friction: elastic slide of the inner tool in the outer one */
     int32_t slide_share_q30;  /* part of the largest friction that this slide has, -1 .. 1 */
-    /* axial force of this tool and those inside it where they come out of the next one's tip, + in tension,
-     * smoothed */
-    int32_t tip_axial_N_q22;
+    int32_t tip_axial_N_q22;  /* pull of the inner tools where the contact begins, + in tension, smoothed */
 } crn_tool_state;
 
 typedef struct crn_balloon_ball {
@@ -153,7 +154,7 @@ typedef struct crn_assembly {
     crn_vec3 stretch_q30;             /* edge: (x*[i+1] - x*[i]) / length */
     crn_vec3 axis1_q30[CRN_TOOL_MAX]; /* edge: axis d1 of a tool, where its rest shape needs it */
     int32_t twist_ratio_q30, twist_angle_q30;
-    int32_t press_N_m_q30[CRN_PAIR_MAX]; /* edge: mu N r between tool k and k + 1 */
+    int32_t press_N_m_q30[CRN_PAIR_MAX]; /* edge: mu N r between tool k and the one around it */
     uint16_t grip_N_m_q26[CRN_PAIR_MAX]; /* edge: stiffness of that friction in this tick, at most
                                             CRN_GRIP_STIFFNESS */
 } crn_assembly;
@@ -233,7 +234,7 @@ typedef struct crn_scratch {
     int32_t turn_q30[CRN_TOOL_MAX];    /* rotation of each tool in the inserter, radians */
     int32_t torque_N_m_q30[CRN_TOOL_MAX];   /* on each handle */
     int32_t axial_N_q22[CRN_TOOL_MAX];      /* force on each handle of a tool that does not lead */
-    int32_t grip_limit_N_q22[CRN_PAIR_MAX]; /* sum of mu N between tool k and k + 1 */
+    int32_t grip_limit_N_q22[CRN_TOOL_MAX]; /* sum of mu N of a contact between tools, as in crn_tool_state */
     int32_t press_Pa[CRN_BALLOON_BALL_MAX]; /* pressure of a ball on the wall that confines it */
     int32_t wall_shrink_q30;                /* for a lumen that moves: crn_motion_shrink_q30 in this tick */
     crn_vec3 struts_low_m_q30, struts_high_m_q30; /* a box around all struts, with a margin for a node */

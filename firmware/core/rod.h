@@ -172,13 +172,6 @@ static inline bool crn_has_tool(const crn_state_words *words, uint32_t position)
     return words->exchange.line[position] != 0;
 }
 
-/* Returns the position of the next tool around tool k, which is k + 1 unless that position has no tool. The
- * caller ensures that k is not the outermost position. */
-static inline uint32_t crn_tool_around(const crn_model *model, const crn_state_words *words, uint32_t k)
-{
-    return k + 2 < model->tool_count && !crn_has_tool(words, k + 1) ? k + 2 : k + 1;
-}
-
 /* Returns the length from the introducer sheath's distal end to the leading tip. */
 static inline int32_t crn_lead_inserted(const crn_model *model, const crn_state_words *words)
 {
@@ -200,8 +193,8 @@ static inline uint32_t crn_lead_tool(const crn_model *model, const crn_state_wor
     return lead;
 }
 
-/* Returns the number of the edge that contains tool k's tip, or free_count when the tool is still in the
- * introducer sheath. */
+/* Returns the number of the edge that contains tool k's tip, or free_count when the tip lies behind the last
+ * free edge. That edge may reach into the introducer sheath by up to its length. */
 static inline uint32_t crn_tip_edge(const crn_model *model, const crn_state *state, uint32_t k)
 {
     uint32_t j = 0;
@@ -209,6 +202,16 @@ static inline uint32_t crn_tip_edge(const crn_model *model, const crn_state *sta
         j++;
     }
     return j;
+}
+
+/* Returns the number of edges, from the leading tip, at which tool 1 does not lie between the tools 0 and 2.
+ */
+static inline uint32_t crn_apart_edges(const crn_model *model, const crn_state *state)
+{
+    if (model->tool_count < CRN_TOOL_MAX) {
+        return 0;
+    }
+    return crn_has_tool(&state->words, 1) ? crn_tip_edge(model, state, 1) : state->words.free_count;
 }
 
 /* Returns a set of bits. Bit k is 1 when the stress-free shape of tool k is curved at one of the joints of
@@ -321,10 +324,15 @@ void crn_frames_orthonormalise(crn_vec3 *axis, const crn_vec3 *tangent);
  * friction of the wall (rod_twist.c). */
 void crn_rod_twist(const crn_model *model, crn_state *state);
 
+/* The first function computes the moments of all joints, from which friction between tools follows. The
+ * second one returns the axial force of the introducer sheath on bent tools (rod_force.c). */
+void crn_bending_moments(crn_state *state);
+int32_t crn_mouth_axial(const crn_model *model, const crn_state *state);
+
 /* These functions compute the forces between tools, and the forces on the hands, except the hand that holds
- * the leading tool (rod_tools.c). The functions run in this order: crn_tools_grip (how hard tools press on
- * each other) before the twist, crn_tools_turned after the twist, crn_tools_handles before the solve, and
- * crn_tools_slide after the solve.
+ * the leading tool (rod_tools.c; crn_tools_turned: rod_twist.c). The functions run in this order:
+ * crn_tools_grip (how hard tools press on each other) before the twist, crn_tools_turned after the twist,
+ * crn_tools_handles before the solve, and crn_tools_slide after the solve.
  */
 void crn_tools_grip(const crn_model *model, crn_state *state);
 void crn_tools_turned(const crn_model *model, crn_state *state);
@@ -452,6 +460,62 @@ static inline int32_t friction_stiffness(const crn_model *model, int32_t limit_N
     int32_t root = inverse_root(square, &half_lead);
     int64_t stiffness = crn_asr64(crn_product(limit_N_q22, root), 51 - model->stiffness_exponent - half_lead);
     return stiffness > model->friction ? model->friction : (int32_t)stiffness;
+}
+
+/* Format: same in and out. Overflow: the caller keeps |value| and the limit `most` below 2^62. */
+static inline int32_t crn_limited_to(int64_t value, int64_t most)
+{
+    if ((uint64_t)(value + most) <= (uint64_t)most * 2) { /* one comparison for the usual case */
+        return (int32_t)value;
+    }
+    return (int32_t)(value > 0 ? most : -most);
+}
+
+/* Returns a / 2^n, limited to the range from -2^log2_most to 2^log2_most, for 32 - log2_most < n < 32. To
+ * detect an overflow on a 32-bit machine, the code examines only the upper word of the 64-bit number. */
+static inline int32_t crn_limited_shift(int64_t a, unsigned n, unsigned log2_most)
+{
+    if (sizeof(void *) > 4) {
+        return crn_limited_to(a >> n, (int64_t)1 << log2_most);
+    }
+    int32_t high = crn_high64(a);
+    uint32_t most_high = (uint32_t)1 << (log2_most + n - 32);
+    if ((uint32_t)high + most_high < 2 * most_high) {
+        return crn_narrow64(a, n);
+    }
+    return high < 0 ? -((int32_t)1 << log2_most) : (int32_t)1 << log2_most;
+}
+
+/* Returns the root of a number below 2^62 with a relative error of 2^-16. */
+static inline int32_t crn_root_of(uint64_t square)
+{
+    if (square == 0) {
+        return 0;
+    }
+    unsigned lead = (unsigned)__builtin_clzll(square) & ~1u;
+    uint64_t top = (square << lead) >> 32;
+    /* sqrt(top 2^(32 - lead)) = top / sqrt(top) 2^(16 - lead / 2), 1 / sqrt(top) = root 2^-46 */
+    uint64_t root = (uint64_t)crn_rsqrt_q30((uint32_t)top);
+    return (int32_t)((top * root) >> (30 + (lead >> 1)));
+}
+
+/* Returns the length of a vector. Format: same in and out. Overflow is impossible for vector components
+ * within 2^30. */
+static inline int32_t crn_length_of(const crn_vec3 *a)
+{
+    return crn_root_of((uint64_t)crn_vec3_dot64(*a, *a));
+}
+
+/* Returns the rotation between the edges of joint i. Format: Q29 so that it fits. */
+static inline crn_vec3 crn_joint_bend(const crn_state *state, uint32_t i)
+{
+    const crn_work *here = &state->scratch.nodes[i];
+    crn_vec3 bend_q29;
+    for (int c = 0; c < 3; c++) {
+        bend_q29.v[c] =
+            crn_asr32(here->u.a.stretch_q30.v[c], 1) - crn_asr32(here[-1].u.a.stretch_q30.v[c], 1);
+    }
+    return bend_q29;
 }
 
 #endif

@@ -489,7 +489,8 @@ static inline void move_bristle(const crn_state *state, crn_node_state *node, co
         int32_t root = inverse_root(square, &half_lead);
         int32_t ratio_q30 =
             (int32_t)crn_asr64(crn_product(most, root), 32 - half_lead); /* limit / |z|, below 1 */
-        node->contact = CRN_CONTACT_SLIPS;
+        const int64_t creeping = (int64_t)most + CRN_CREEP_M_Q33;
+        node->contact = square > creeping * creeping ? CRN_CONTACT_SLIPS : CRN_CONTACT_CREEPS;
         for (int k = 0; k < 3; k++) {
             way.v[k] = crn_scale_q30(way.v[k], ratio_q30);
         }

@@ -419,3 +419,45 @@ void crn_rod_bend(const crn_model *model, crn_state *state)
         joint_forces(model, state, i);
     }
 }
+
+/* Tools with the curvature kappa at the distal end of the introducer sheath push on the sheath along its axis
+ * with the force EI kappa^2 / 2, because the part that is fed in has to be straight. The push of bent tools
+ * on the sheath is the configurational force of a sliding sleeve (Bigoni et al. 2014, Mechanics Research
+ * Communications). The sheath's distal end cuts the cell of one joint, and `part` is the length of this cell
+ * outside the sheath. A joint whose cell is cut to the length `part` has the bending stiffness W = EI / part,
+ * and the angle between its edges is the curvature kappa times `part`. Format: Q26 N m x Q30^2 -> Q30 N m, /
+ * Q30 m -> Q22 N. */
+int32_t crn_mouth_axial(const crn_model *model, const crn_state *state)
+{
+    uint32_t na = state->words.free_count;
+    int32_t inserted = crn_lead_inserted(model, &state->words);
+    uint32_t cut = inserted > model->mesh[na - 1].cell_end_m_q30 ? na : na - 1;
+    int32_t part = inserted - model->mesh[cut - 1].cell_end_m_q30;
+    const crn_joint *joint = &state->scratch.mouth[cut + 1 - na];
+    int32_t whole = state->line.nodes[cut].joint.bend_N_m_q26;
+    int64_t square = 0;
+    for (int k = 0; k < 3; k++) {
+        int64_t bend = (int64_t)state->scratch.nodes[cut].u.a.stretch_q30.v[k] -
+                       state->scratch.nodes[cut - 1].u.a.stretch_q30.v[k];
+        square += (bend * bend) >> 30;
+    }
+    int32_t energy = crn_mul(crn_sat32(square >> 1), joint->bend_N_m_q26, 26);
+    /* the part that the joint's stiffness represents */
+    int32_t cell = model->mesh[cut].cell_end_m_q30 - model->mesh[cut - 1].cell_end_m_q30;
+    int32_t least = crn_mul(cell, crn_quotient(whole, joint->bend_N_m_q26, 30), 30);
+    return -crn_quotient(energy, part > least ? part : least, 22);
+}
+
+/* Computes the bending moments W b of all joints at the predicted configuration, as if all tools were
+ * straight when free of stress. Format: b in Q29 so that it fits, W Q26 -> Q30 N m, limited. */
+void crn_bending_moments(crn_state *state)
+{
+    for (uint32_t i = 1; i <= state->words.free_count; i++) {
+        crn_work *here = &state->scratch.nodes[i];
+        int32_t bend_N_m_q26 = crn_rod_joint(state, i)->bend_N_m_q26;
+        const crn_vec3 bend = crn_joint_bend(state, i);
+        for (int c = 0; c < 3; c++) {
+            here->moment_N_m_q30.v[c] = crn_limited_shift(crn_product(bend.v[c], bend_N_m_q26), 25, 29);
+        }
+    }
+}

@@ -6,11 +6,14 @@
  * on the nodes that the two tools share. Friction between the two tools, at most the coefficient mu times the
  * normal force N, then resists sliding and turning, in both directions. For each pair of tools, one friction
  * displacement along the centreline represents sliding, and one friction displacement per edge represents
- * turning (rod_twist.c).
+ * turning (rod_twist.c). Of three tools, the innermost one touches the outermost one ahead of the middle
+ * one's tip.
  *
- * The axial force of the inner tools is that of the whole line where they come out of the outer tool's tip.
- * From there towards the hand, friction changes it node by node, so it grows as e^(mu angle) in a bend (the
- * capstan of Euler and Eytelwein).
+ * Through a lip or a bend without friction, the pull c = T + M kappa / 2 passes unchanged: T is the axial
+ * force, M the bending moment and kappa the curvature (Bigoni et al. 2014, Mechanics Research
+ * Communications). The pull of the inner tools is that of the whole line where they come out of the foremost
+ * tip of the tools around them. From there towards the hand, friction changes it node by node, so it grows as
+ * e^(mu angle) in a bend (the capstan of Euler and Eytelwein).
  *
  * If a tool does not lead, the force on the hand that holds it is the change of the elastic energy of all
  * tools as this tool slides along a centreline of fixed shape. Where the tool's properties change, the force
@@ -25,74 +28,14 @@
 
 enum {
     MOMENT_MAX_N_m_Q30 = 1 << 29, /* 0.5 N m: differences of two fit 32 bits */
-    FORCE_MAX_N_Q22 = 1 << 30,    /* 256 N: three squares fit 64 bits */
 };
-
-/* Format: same in and out. Overflow: the caller keeps |value| and the limit `most` below 2^62. */
-static inline int32_t limited(int64_t value, int64_t most)
-{
-    if ((uint64_t)(value + most) <= (uint64_t)most * 2) { /* one comparison for the usual case */
-        return (int32_t)value;
-    }
-    return (int32_t)(value > 0 ? most : -most);
-}
-
-/* Returns a / 2^n, limited to the range from -2^log2_most to 2^log2_most, for 32 - log2_most < n < 32. To
- * detect an overflow on a 32-bit machine, the code examines only the upper word of the 64-bit number. */
-static inline int32_t limited_shift(int64_t a, unsigned n, unsigned log2_most)
-{
-    if (sizeof(void *) > 4) {
-        return limited(a >> n, (int64_t)1 << log2_most);
-    }
-    int32_t high = crn_high64(a);
-    uint32_t most_high = (uint32_t)1 << (log2_most + n - 32);
-    if ((uint32_t)high + most_high < 2 * most_high) {
-        return crn_narrow64(a, n);
-    }
-    return high < 0 ? -((int32_t)1 << log2_most) : (int32_t)1 << log2_most;
-}
-
-/* Returns the root of a number below 2^62 with a relative error of 2^-16. */
-static int32_t root_of(uint64_t square)
-{
-    if (square == 0) {
-        return 0;
-    }
-    unsigned lead = (unsigned)__builtin_clzll(square) & ~1u;
-    uint64_t top = (square << lead) >> 32;
-    /* sqrt(top 2^(32 - lead)) = top / sqrt(top) 2^(16 - lead / 2), 1 / sqrt(top) = root 2^-46 */
-    uint64_t root = (uint64_t)crn_rsqrt_q30((uint32_t)top);
-    return (int32_t)((top * root) >> (30 + (lead >> 1)));
-}
-
-/* Returns the length of a vector. Format: same in and out. Overflow is impossible for vector components
- * within 2^30. */
-static int32_t length_of(const crn_vec3 *a)
-{
-    return root_of((uint64_t)crn_vec3_dot64(*a, *a));
-}
-
-/* Computes the bending moments W b of all joints at the predicted configuration, as if all tools were
- * straight when free of stress. Format: b in Q29 so that it fits, W Q26 -> Q30 N m, limited. */
-static void bending_moments(crn_state *state)
-{
-    for (uint32_t i = 1; i <= state->words.free_count; i++) {
-        crn_work *here = &state->scratch.nodes[i];
-        int32_t bend_N_m_q26 = crn_rod_joint(state, i)->bend_N_m_q26;
-        for (int c = 0; c < 3; c++) {
-            int32_t bend_q29 =
-                crn_asr32(here->u.a.stretch_q30.v[c], 1) - crn_asr32(here[-1].u.a.stretch_q30.v[c], 1);
-            here->moment_N_m_q30.v[c] = limited_shift(crn_product(bend_q29, bend_N_m_q26), 25, 29);
-        }
-    }
-}
 
 /* Subtracts the stiffness W times a rest rotation from a moment. */
 static void take_turn(const crn_vec3 *turn_q30, int32_t bend_N_m_q26, crn_vec3 *moment)
 {
     for (int c = 0; c < 3; c++) {
         int64_t rest = ((int64_t)turn_q30->v[c] * bend_N_m_q26) >> 26;
-        moment->v[c] = limited(moment->v[c] - rest, MOMENT_MAX_N_m_Q30);
+        moment->v[c] = crn_limited_to(moment->v[c] - rest, MOMENT_MAX_N_m_Q30);
     }
 }
 
@@ -127,26 +70,80 @@ static inline void inner_moment(const crn_state *state, uint32_t pair, uint32_t 
 /* Returns the axial force of all tools together in an edge, + in tension, Q22 N. */
 static int32_t line_axial(const crn_state *state, uint32_t edge)
 {
-    const int64_t axial =
-        ((int64_t)state->line.nodes[edge].axial_stiffness_N_q17 * state->scratch.nodes[edge].strain_q30) >>
-        25;
-    return limited(axial, CRN_TENSION_MAX_N_Q22);
+    const int64_t axial_q47 =
+        crn_product(state->line.nodes[edge].axial_stiffness_N_q17, state->scratch.nodes[edge].strain_q30);
+    return crn_limited_to(crn_asr64(axial_q47, 25), CRN_TENSION_MAX_N_Q22);
 }
 
-/* Follows the axial force of the tools 0 .. `pair` where they come out of the tip of the tool around them; it
- * is 0 when none of them does. The force of a stiff edge trembles from tick to tick, so the state keeps it
- * smoothed over 8 ms, as the forces on the hands are. */
-static void follow_tip_axial(const crn_state *state, uint32_t pair, uint32_t around, uint32_t tip_edge,
-                             crn_tool_state *tool)
+/* Returns 3/2 of moment times curvature at a node, Q22 N: the pull less the axial force of an edge. Half of
+ * moment times curvature is the pull's own part of bending. The rest is missing in the axial force of edges,
+ * because bending acts on their vectors, and so also along them, with half of moment times curvature from
+ * each of an edge's joints. Format: Q30 N m x Q29 rad x Q18 1/m; the moment is below 2^29 and the bend below
+ * 2^30, so the sum is below 2^61. Overflow: limited. */
+static inline int32_t bending_pull(const crn_vec3 *moment, const crn_vec3 *bend_q29, int32_t per_m_q18)
 {
-    enum { FOLLOW = 8 };
+    const int64_t sum_q59 = crn_vec3_dot64(*moment, *bend_q29);
+    const int64_t pull_q47 = crn_product(crn_narrow64(sum_q59, 30), per_m_q18); /* Q29 x Q18 */
+    return crn_limited_to(crn_asr64(pull_q47 + (pull_q47 >> 1), 25), CRN_TENSION_MAX_N_Q22);
+}
+
+/* Moment of joint i, which all tools bear together. Q30 N m, limited. */
+static inline void total_moment(const crn_model *model, const crn_state *state, uint32_t i, crn_vec3 *moment)
+{
+    const crn_joint *joint = crn_rod_joint(state, i);
+    *moment = state->scratch.nodes[i].moment_N_m_q30;
+    if (joint->curved != 0) {
+        crn_vec3 turn = crn_rod_line_turn(model, state, joint, i);
+        take_turn(&turn, joint->bend_N_m_q26, moment);
+    }
+}
+
+/* Returns 3/2 of moment times curvature of the whole line at joint i; 0 at its free end. */
+static int32_t line_bending_pull(const crn_model *model, const crn_state *state, uint32_t i)
+{
+    if (i == 0) {
+        return 0;
+    }
+    crn_vec3 moment;
+    total_moment(model, state, i, &moment);
+    const crn_vec3 bend_q29 = crn_joint_bend(state, i);
+    return bending_pull(&moment, &bend_q29, model->mesh[i].inverse_length_per_m_q18);
+}
+
+/* Returns the pull of the line just ahead of a tip that it comes out of. The edges at the tip carry what the
+ * tip presses on the wall, so the pull is read some edges ahead. A line that has just come out has no such
+ * edge; its pull grows from 0 while the second edge comes out. */
+static int32_t pull_ahead(const crn_model *model, const crn_state *state, uint32_t around)
+{
+    enum { AHEAD_edges = 3 };
+    const uint32_t tip = crn_tip_edge(model, state, around);
+    if (tip == 0 || tip >= state->words.free_count) {
+        return 0;
+    }
+    const uint32_t edge = tip > AHEAD_edges ? tip - AHEAD_edges : 0;
+    const int32_t bending =
+        line_bending_pull(model, state, edge) / 2 + line_bending_pull(model, state, edge + 1) / 2;
+    const int32_t pull = crn_clamp(crn_add_sat(line_axial(state, edge), bending), -CRN_TENSION_MAX_N_Q22,
+                                   CRN_TENSION_MAX_N_Q22);
+    const int32_t first_m_q30 = model->mesh[0].length_m_q30;
+    const int32_t more_m_q30 = state->line.offset_m_q30[around] - first_m_q30;
+    return more_m_q30 < first_m_q30 ? crn_scale_q30(pull, crn_quotient(more_m_q30, first_m_q30, 30)) : pull;
+}
+
+/* Returns the pull of the tools 0 .. `pair` where they come out of the foremost tip of the tools around them;
+ * 0 if none does. */
+static int32_t pull_outside(const crn_model *model, const crn_state *state, uint32_t pair)
+{
+    const int32_t *offset_m_q30 = state->line.offset_m_q30;
+    uint32_t front = pair + 1;
+    for (uint32_t k = front + 1; k < model->tool_count; k++) {
+        front = offset_m_q30[k] < offset_m_q30[front] ? k : front;
+    }
     bool comes_out = false;
     for (uint32_t k = 0; k <= pair; k++) {
-        comes_out |= state->line.offset_m_q30[k] < state->line.offset_m_q30[around];
+        comes_out |= offset_m_q30[k] < offset_m_q30[front];
     }
-    const bool is_free = tip_edge < state->words.free_count;
-    const int32_t now = comes_out && is_free ? line_axial(state, tip_edge) : 0;
-    tool->tip_axial_N_q22 += (now - tool->tip_axial_N_q22) / FOLLOW;
+    return comes_out ? pull_ahead(model, state, front) : 0;
 }
 
 /* Moments of the inner tools at a node's joint and at the two joints around it. */
@@ -155,22 +152,26 @@ typedef struct moments {
 } moments;
 
 /* Returns the force in Q22 N that the inner tools put on a node across the line. Their bending gives it from
- * the moments of the joints around the node, and their axial force pulls or pushes along the node's two
- * edges. Overflow is impossible: differences of moments fit 31 bits and 1 / edge length is below 2^31, so
- * the first two products are below 2^62 together, and the third one is below 2^58. */
+ * the moments of the joints around the node, and their axial force, which is the pull less the part of
+ * bending, acts along the node's two edges. Overflow is impossible: differences of moments fit 31 bits and 1
+ * / edge length is below 2^31, so the first two products are below 2^62 together, and the third one is below
+ * 2^58. */
 static inline int32_t pressing_force(const moments *m, int32_t a_per_m_q18, int32_t c_per_m_q18,
-                                     int32_t axial_N_q22, const crn_vec3 *ahead_q30,
+                                     int32_t pull_N_q22, const crn_vec3 *ahead_q30,
                                      const crn_vec3 *behind_q30)
 {
-    crn_vec3 force;
+    crn_vec3 force, bend_q29;
+    for (int k = 0; k < 3; k++) {
+        bend_q29.v[k] = crn_asr32(behind_q30->v[k], 1) - crn_asr32(ahead_q30->v[k], 1);
+    }
+    const int32_t axial_N_q22 = pull_N_q22 - bending_pull(&m->here, &bend_q29, c_per_m_q18);
     for (int k = 0; k < 3; k++) {
         int64_t sum = crn_product(m->here.v[k] - m->before.v[k], a_per_m_q18);
         sum = crn_product_add(sum, m->here.v[k] - m->after.v[k], c_per_m_q18);
-        const int32_t bend_q29 = crn_asr32(behind_q30->v[k], 1) - crn_asr32(ahead_q30->v[k], 1);
-        sum += crn_asr64(crn_product(axial_N_q22, bend_q29), 3); /* Q51 -> Q48 */
-        force.v[k] = limited_shift(sum, 26, 30);
+        sum += crn_asr64(crn_product(axial_N_q22, bend_q29.v[k]), 3); /* Q51 -> Q48 */
+        force.v[k] = crn_limited_shift(sum, 26, 30);
     }
-    return length_of(&force);
+    return crn_length_of(&force);
 }
 
 /* Returns the length over which a tool bears on the tool around it where its moment has a step. A tool that
@@ -185,7 +186,7 @@ static int32_t bearing_length(const crn_tool *inner, const crn_tool *around)
         return CRN_BEARING_MIN_M_Q30;
     }
     const int64_t square = 2 * crn_product(CRN_BEARING_BEND_M_Q30, gap_m_q30);
-    const int32_t length_m_q30 = root_of((uint64_t)square);
+    const int32_t length_m_q30 = crn_root_of((uint64_t)square);
     return length_m_q30 > CRN_BEARING_MIN_M_Q30 ? length_m_q30 : CRN_BEARING_MIN_M_Q30;
 }
 
@@ -219,19 +220,53 @@ static inline int32_t bearing_share(int32_t length_m_q30, int32_t bearing_m_q30)
     return crn_quotient(length_m_q30, length_m_q30 + bearing_m_q30, 30);
 }
 
-/* Computes, for every edge of a pair of tools, the limit mu N r of the friction torque (friction coefficient,
- * normal force, lever arm) and the friction's stiffness against turning. The function also sums the friction
- * limits mu N of all edges; this sum limits sliding. The axial force at a node is that of the edge ahead,
- * changed by half of the friction of the node ahead. */
-static void grip_edges(const crn_model *model, crn_state *state, uint32_t pair, uint32_t first)
+/* The contact of the tools 0 .. `pair` with the tool directly around them: edges first .. last - 1. Its slide
+ * is that of tool `pair` in tool `around`, kept with the tool of the number `slot`. */
+typedef struct touch {
+    uint32_t pair, around, slot, first, last;
+} touch;
+
+/* Slot 0: tool 0 in tool 1. Slot 1: tools 0 and 1 in tool 2. Slot 2: tool 0 in tool 2, where tool 1 does not
+ * lie between them. */
+static touch touch_of(const crn_model *model, const crn_state *state, uint32_t slot)
 {
     const uint32_t na = state->words.free_count;
-    const uint32_t around = crn_tool_around(model, &state->words, pair);
-    const int32_t friction_q30 = model->tools[around].lumen_friction_q30;
+    touch t = {slot == 1, slot == 0 ? 1 : 2, slot, na, na};
+    if (t.around >= model->tool_count) {
+        return t;
+    }
+    const uint32_t apart = crn_apart_edges(model, state);
+    const uint32_t inner = crn_tip_edge(model, state, t.pair), outer = crn_tip_edge(model, state, t.around);
+    t.first = inner > outer ? inner : outer;
+    if (slot < 2 && t.first < apart) {
+        t.first = apart;
+    }
+    if (slot == 2) {
+        t.last = apart > t.first ? apart : t.first;
+    }
+    return t;
+}
+
+/* What a contact passes on towards the hand: the pull behind its last node, and half of that node's friction.
+ */
+typedef struct passed_on {
+    int32_t pull_N_q22, half_N_q22;
+} passed_on;
+
+/* Computes, for every edge of a contact, the limit mu N r of the friction torque (friction coefficient,
+ * normal force, lever arm) and the friction's stiffness against turning. The function also sums the friction
+ * limits mu N of all edges; this sum limits sliding. The pull at a node is that of the edge ahead, changed by
+ * half of the friction of the node ahead. `from` is what another contact, directly ahead, passes on; null:
+ * the contact begins at a lip. */
+static passed_on grip_edges(const crn_model *model, crn_state *state, const touch *t, const passed_on *from)
+{
+    const uint32_t na = state->words.free_count, pair = t->pair, first = t->first;
+    const int32_t friction_q30 = model->tools[t->around].lumen_friction_q30;
     const int32_t radius_m_q39 = model->tools[pair].shaft_radius_m_q30 << 9; /* at most 2 mm */
-    const int32_t bearing_m_q30 = bearing_length(&model->tools[pair], &model->tools[around]);
-    const int32_t slide_q30 = state->words.tools[pair].slide_share_q30;
-    int32_t axial_N_q22 = state->words.tools[pair].tip_axial_N_q22, half_N_q22 = 0;
+    const int32_t bearing_m_q30 = bearing_length(&model->tools[pair], &model->tools[t->around]);
+    const int32_t slide_q30 = state->words.tools[t->slot].slide_share_q30;
+    int32_t pull_N_q22 = state->words.tools[t->slot].tip_axial_N_q22;
+    int32_t half_N_q22 = from != NULL ? from->half_N_q22 : 0;
     int32_t length_m_q30 = 0, share_q30 = 0;
     int64_t sum_N_q22 = 0;
     moments m = {{{0, 0, 0}}, {{0, 0, 0}}, {{0, 0, 0}}};
@@ -241,7 +276,7 @@ static void grip_edges(const crn_model *model, crn_state *state, uint32_t pair, 
     if (first > 0 && first <= na) {
         inner_moment(state, pair, first, &m.here);
     }
-    for (uint32_t j = first; j < na; j++) {
+    for (uint32_t j = first; j < t->last; j++) {
         const crn_mesh_node *mesh = &model->mesh[j];
         crn_assembly *work = &state->scratch.nodes[j].u.a;
         const crn_node_state *node = &state->words.nodes[j];
@@ -251,48 +286,66 @@ static void grip_edges(const crn_model *model, crn_state *state, uint32_t pair, 
         }
         inner_moment(state, pair, j + 1, &m.after);
         soften(share_q30, &m.after, &m.here);
-        /* The node ahead of the outer tool's tip lies outside of its lumen. */
-        const uint32_t ahead = j > first ? j - 1 : j;
-        const int32_t middle_N_q22 = crn_sub_sat(axial_N_q22, half_N_q22);
+        /* The node ahead of a lip lies outside of the lumen. */
+        const uint32_t ahead = j > first || from != NULL ? j - 1 : j;
+        const int32_t middle_N_q22 = crn_sub_sat(pull_N_q22, half_N_q22);
         int32_t force = pressing_force(&m, model->mesh[j > 0 ? j - 1 : 0].inverse_length_per_m_q18,
                                        mesh->inverse_length_per_m_q18, middle_N_q22,
                                        &state->words.nodes[ahead].tangent_q30, &node->tangent_q30);
         int32_t limit = crn_scale_q30(force, friction_q30);
         int32_t press = crn_mulh(limit, radius_m_q39) * 2; /* Q22 N x Q39 m -> Q30 N m */
         const int32_t drag_N_q22 = crn_mul_q30(limit, slide_q30);
-        axial_N_q22 =
-            crn_clamp(crn_sub_sat(axial_N_q22, drag_N_q22), -CRN_TENSION_MAX_N_Q22, CRN_TENSION_MAX_N_Q22);
+        pull_N_q22 =
+            crn_clamp(crn_sub_sat(pull_N_q22, drag_N_q22), -CRN_TENSION_MAX_N_Q22, CRN_TENSION_MAX_N_Q22);
         half_N_q22 = drag_N_q22 / 2;
         sum_N_q22 += limit;
         work->press_N_m_q30[pair] = press;
-        work->grip_N_m_q26[pair] = grip_stiffness(node, pair, around, press);
+        work->grip_N_m_q26[pair] = grip_stiffness(node, pair, t->around, press);
         m.before = m.here;
         m.here = m.after;
     }
-    state->scratch.grip_limit_N_q22[pair] = crn_sat32(sum_N_q22);
+    state->scratch.grip_limit_N_q22[t->slot] = crn_sat32(sum_N_q22);
+    return (passed_on){pull_N_q22, half_N_q22};
 }
 
-static void grip_pair(const crn_model *model, crn_state *state, uint32_t pair)
+/* Follows the pull with which a contact begins. The force of a stiff edge trembles from tick to tick, so the
+ * state keeps it smoothed over 8 ms, as the forces on the hands are. */
+static void follow_pull(crn_tool_state *tool, int32_t now_N_q22)
 {
-    const uint32_t around = crn_tool_around(model, &state->words, pair);
-    const uint32_t inner_edge = crn_tip_edge(model, state, pair);
-    const uint32_t outer_edge = crn_tip_edge(model, state, around);
-    const uint32_t first = inner_edge > outer_edge ? inner_edge : outer_edge; /* with both tools */
-    follow_tip_axial(state, pair, around, outer_edge, &state->words.tools[pair]);
+    enum { FOLLOW = 8 };
+    tool->tip_axial_N_q22 += (now_N_q22 - tool->tip_axial_N_q22) / FOLLOW;
+}
+
+/* No tool touches another one with the tools 0 .. `pair` inside at the edges ahead of `first`. */
+static void free_edges(crn_state *state, uint32_t pair, uint32_t first)
+{
     for (uint32_t j = 0; j < first; j++) {
         state->scratch.nodes[j].u.a.press_N_m_q30[pair] = 0;
         state->scratch.nodes[j].u.a.grip_N_m_q26[pair] = 0;
     }
-    grip_edges(model, state, pair, first);
 }
 
+/* Where tool 0 touches tool 2 ahead of tool 1's tip, its pull at the end of that contact is the one with
+ * which both other contacts begin: nothing pulls at the tip of tool 1. */
 void crn_tools_grip(const crn_model *model, crn_state *state)
 {
-    if (model->tool_count > 1) {
-        bending_moments(state);
+    if (model->tool_count == 1) {
+        return;
     }
-    for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
-        grip_pair(model, state, pair);
+    crn_bending_moments(state);
+    const touch ahead = touch_of(model, state, 2);
+    const bool is_apart = ahead.first < ahead.last;
+    passed_on passed = {0, 0};
+    if (model->tool_count > 2) {
+        follow_pull(&state->words.tools[2], is_apart ? pull_outside(model, state, 0) : 0);
+        passed = grip_edges(model, state, &ahead, NULL);
+    }
+    for (uint32_t slot = 0; slot + 1 < model->tool_count; slot++) {
+        const touch t = touch_of(model, state, slot);
+        follow_pull(&state->words.tools[slot],
+                    is_apart ? passed.pull_N_q22 : pull_outside(model, state, slot));
+        free_edges(state, slot, slot == 0 && is_apart ? ahead.first : t.first);
+        (void)grip_edges(model, state, &t, is_apart ? &passed : NULL);
     }
 }
 
@@ -346,17 +399,6 @@ static int32_t potential(const section *s, const crn_vec3 *moment_N_m_q30)
         sum += ((int64_t)load * curvature) >> 28;
     }
     return crn_sat32((sum - s->stored_N_q22) >> 1);
-}
-
-/* Moment of joint i. Q30 N m, limited. */
-static inline void total_moment(const crn_model *model, const crn_state *state, uint32_t i, crn_vec3 *moment)
-{
-    const crn_joint *joint = crn_rod_joint(state, i);
-    *moment = state->scratch.nodes[i].moment_N_m_q30;
-    if (joint->curved != 0) {
-        crn_vec3 turn = crn_rod_line_turn(model, state, joint, i);
-        take_turn(&turn, joint->bend_N_m_q26, moment);
-    }
 }
 
 /* Jump of psi over joint i where only the stiffness changes and no tool has a rest shape:
@@ -493,38 +535,10 @@ static int32_t elastic_handle(const crn_model *model, const crn_state *state, ui
     return inserted > offset ? crn_add_sat(sum, mouth_handle(model, state, k, inserted - offset)) : 0;
 }
 
-/* Tools with the curvature kappa at the distal end of the introducer sheath push on the sheath along its axis
- * with the force EI kappa^2 / 2, because the part that is fed in has to be straight. The push of bent tools
- * on the sheath is the configurational force of a sliding sleeve (Bigoni et al. 2014, Mechanics Research
- * Communications). The sheath's distal end cuts the cell of one joint, and `part` is the length of this cell
- * outside the sheath. A joint whose cell is cut to the length `part` has the bending stiffness W = EI / part,
- * and the angle between its edges is the curvature kappa times `part`. Format: Q26 N m x Q30^2 -> Q30 N m, /
- * Q30 m -> Q22 N. */
-static int32_t mouth_axial(const crn_model *model, const crn_state *state)
-{
-    uint32_t na = state->words.free_count;
-    int32_t inserted = crn_lead_inserted(model, &state->words);
-    uint32_t cut = inserted > model->mesh[na - 1].cell_end_m_q30 ? na : na - 1;
-    int32_t part = inserted - model->mesh[cut - 1].cell_end_m_q30;
-    const crn_joint *joint = &state->scratch.mouth[cut + 1 - na];
-    int32_t whole = state->line.nodes[cut].joint.bend_N_m_q26;
-    int64_t square = 0;
-    for (int k = 0; k < 3; k++) {
-        int64_t bend = (int64_t)state->scratch.nodes[cut].u.a.stretch_q30.v[k] -
-                       state->scratch.nodes[cut - 1].u.a.stretch_q30.v[k];
-        square += (bend * bend) >> 30;
-    }
-    int32_t energy = crn_mul(crn_sat32(square >> 1), joint->bend_N_m_q26, 26);
-    /* the part that the joint's stiffness represents */
-    int32_t cell = model->mesh[cut].cell_end_m_q30 - model->mesh[cut - 1].cell_end_m_q30;
-    int32_t least = crn_mul(cell, crn_quotient(whole, joint->bend_N_m_q26, 30), 30);
-    return -crn_quotient(energy, part > least ? part : least, 22);
-}
-
 void crn_tools_handles(const crn_model *model, crn_state *state)
 {
     uint32_t lead = crn_lead_tool(model, &state->words);
-    state->scratch.mouth_axial_N_q22 = mouth_axial(model, state);
+    state->scratch.mouth_axial_N_q22 = crn_mouth_axial(model, state);
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
         bool follows = k < model->tool_count && k != lead;
         state->scratch.axial_N_q22[k] = follows ? elastic_handle(model, state, k) : 0;
@@ -532,24 +546,6 @@ void crn_tools_handles(const crn_model *model, crn_state *state)
 }
 
 /* --- after the solve ------------------------------------------------------------------------------------ */
-
-/* Updates the elastic rotation between a pair of tools at each edge, limited to the friction torque mu N r
- * divided by the stiffness. */
-void crn_tools_turned(const crn_model *model, crn_state *state)
-{
-    for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
-        const uint32_t around = crn_tool_around(model, &state->words, pair);
-        for (uint32_t j = 0; j < state->words.free_count; j++) {
-            crn_node_state *node = &state->words.nodes[j];
-            int32_t press = state->scratch.nodes[j].u.a.press_N_m_q30[pair];
-            int32_t turned = crn_sub_sat(node->spin_q30[pair], node->spin_q30[around]);
-            int32_t reach = crn_add_sat(node->grip_q30[pair], turned);
-            /* Q30 N m / 4e-4 N m: x 2500 */
-            int32_t most = crn_sat32(crn_product(press, CRN_GRIP_COMPLIANCE_PER_N_M));
-            node->grip_q30[pair] = crn_clamp(reach, -most, most);
-        }
-    }
-}
 
 /* Follows the part of the largest friction that the elastic slide has. The largest friction depends on this
  * part: the more friction holds the inner tool, the harder it pulls towards the hand, and presses. In a bend
@@ -565,20 +561,21 @@ static void follow_share(crn_tool_state *inner, int32_t most_m_q33)
     inner->slide_share_q30 += way_q29 / (FOLLOW / 2);
 }
 
-/* Computes the friction of sliding between neighbouring tools. A friction displacement between two tools puts
- * equal and opposite forces along the centreline on the two hands that hold these tools. */
+/* Computes the friction of sliding of each contact between tools. A friction displacement between two tools
+ * puts equal and opposite forces along the centreline on the two hands that hold these tools. */
 void crn_tools_slide(const crn_model *model, crn_state *state)
 {
-    for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
-        crn_tool_state *inner = &state->words.tools[pair];
-        const uint32_t around = crn_tool_around(model, &state->words, pair);
+    const uint32_t slots = model->tool_count == CRN_TOOL_MAX ? CRN_TOOL_MAX : model->tool_count - 1;
+    for (uint32_t slot = 0; slot < slots; slot++) {
+        crn_tool_state *inner = &state->words.tools[slot];
+        const uint32_t pair = slot == 1 ? 1 : 0, around = slot == 0 ? 1 : 2;
         /* N Q22 / (2000 N/m) -> m Q33: 2^11 / 2000 = 1 + 25166 / 2^20 */
-        int64_t limit_N_q22 = state->scratch.grip_limit_N_q22[pair];
+        int64_t limit_N_q22 = state->scratch.grip_limit_N_q22[slot];
         int64_t most = limit_N_q22 + ((limit_N_q22 * 25166) >> 20);
         int64_t slid = (int64_t)inner->slide_grip_m_q33 + state->scratch.slide_m_q33[pair] -
                        state->scratch.slide_m_q33[around];
         const int32_t most_m_q33 = most < INT32_MAX ? (int32_t)most : INT32_MAX;
-        inner->slide_grip_m_q33 = limited(slid, most_m_q33);
+        inner->slide_grip_m_q33 = crn_limited_to(slid, most_m_q33);
         follow_share(inner, most_m_q33);
         int32_t drag = (int32_t)(((int64_t)inner->slide_grip_m_q33 * CRN_FRICTION_STIFFNESS_N_m) >> 11);
         int32_t *axial = state->scratch.axial_N_q22;

@@ -329,10 +329,16 @@ static void hold_turn(const crn_model *model, const crn_state *state, twist_carr
     carry->curve_q26 = 16 << 26;
 }
 
-/* The arguments `inner` and `around` are the neighbours of tool k, or NO_TOOL. The compiler must inline this
- * function, so that k, `inner` and `around` are constants in the function's loops. */
+/* The tools inside and around a tool; NO_TOOL: none. */
+typedef struct neighbours {
+    uint32_t inner, around;
+} neighbours;
+
+/* `apart` are the neighbours of tool k at the edges that the middle one of three tools does not reach, and
+ * `near` at the others. The compiler must inline this function, so that k and the neighbours are constants in
+ * the function's loops. */
 static inline __attribute__((always_inline)) void twist_tool(const crn_model *model, crn_state *state,
-                                                             uint32_t k, uint32_t inner, uint32_t around)
+                                                             uint32_t k, neighbours apart, neighbours near)
 {
     twist_carry carry = {0, 0, 0, 0, 0};
     uint32_t na = state->words.free_count;
@@ -341,18 +347,30 @@ static inline __attribute__((always_inline)) void twist_tool(const crn_model *mo
     if (k == 0 && first == 0 && model->hold.turn) {
         hold_turn(model, state, &carry);
     }
-    for (uint32_t j = first; j < na; j++) {
-        eliminate_edge(model, state, k, inner, around, j, &carry);
+    const uint32_t end = crn_apart_edges(model, state);
+    for (uint32_t j = first; j < end; j++) {
+        eliminate_edge(model, state, k, apart.inner, apart.around, j, &carry);
+    }
+    for (uint32_t j = first > end ? first : end; j < na; j++) {
+        eliminate_edge(model, state, k, near.inner, near.around, j, &carry);
     }
     substitute(state, k, first);
 }
 
-/* Computes the twist of a tool if the middle one of three positions has no tool. */
-CRN_RARE static void twist_apart(const crn_model *model, crn_state *state, uint32_t k, uint32_t inner,
-                                 uint32_t around)
+static void twist_two(const crn_model *model, crn_state *state)
 {
-    twist_tool(model, state, k, inner, around);
+    twist_tool(model, state, 0, (neighbours){NO_TOOL, 1}, (neighbours){NO_TOOL, 1});
+    twist_tool(model, state, 1, (neighbours){0, NO_TOOL}, (neighbours){0, NO_TOOL});
+}
+
+static void twist_three(const crn_model *model, crn_state *state)
+{
+    twist_tool(model, state, 0, (neighbours){NO_TOOL, 2}, (neighbours){NO_TOOL, 1});
     state->scratch.torque_N_m_q30[1] = 0;
+    if (crn_has_tool(&state->words, 1)) {
+        twist_tool(model, state, 1, (neighbours){0, 2}, (neighbours){0, 2});
+    }
+    twist_tool(model, state, 2, (neighbours){0, NO_TOOL}, (neighbours){1, NO_TOOL});
 }
 
 void crn_rod_twist(const crn_model *model, crn_state *state)
@@ -361,19 +379,29 @@ void crn_rod_twist(const crn_model *model, crn_state *state)
         state->scratch.nodes[i].torque_N_m_q30 = 0;
     }
     if (model->tool_count == 1) {
-        twist_tool(model, state, 0, NO_TOOL, NO_TOOL);
-        return;
+        twist_tool(model, state, 0, (neighbours){NO_TOOL, NO_TOOL}, (neighbours){NO_TOOL, NO_TOOL});
+    } else if (model->tool_count == 2) {
+        twist_two(model, state);
+    } else {
+        twist_three(model, state);
     }
-    if (model->tool_count == 3 && !crn_has_tool(&state->words, 1)) {
-        twist_apart(model, state, 0, NO_TOOL, 2);
-        twist_apart(model, state, 2, 0, NO_TOOL);
-        return;
+}
+
+/* Updates the elastic rotation between a pair of tools at each edge, limited to the friction torque mu N r
+ * divided by the stiffness. */
+void crn_tools_turned(const crn_model *model, crn_state *state)
+{
+    const uint32_t apart = crn_apart_edges(model, state);
+    for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
+        for (uint32_t j = 0; j < state->words.free_count; j++) {
+            const uint32_t around = j < apart ? 2 : pair + 1;
+            crn_node_state *node = &state->words.nodes[j];
+            int32_t press = state->scratch.nodes[j].u.a.press_N_m_q30[pair];
+            int32_t turned = crn_sub_sat(node->spin_q30[pair], node->spin_q30[around]);
+            int32_t reach = crn_add_sat(node->grip_q30[pair], turned);
+            /* Q30 N m / 4e-4 N m: x 2500 */
+            int32_t most = crn_sat32(crn_product(press, CRN_GRIP_COMPLIANCE_PER_N_M));
+            node->grip_q30[pair] = crn_clamp(reach, -most, most);
+        }
     }
-    twist_tool(model, state, 0, NO_TOOL, 1);
-    if (model->tool_count == 2) {
-        twist_tool(model, state, 1, 0, NO_TOOL);
-        return;
-    }
-    twist_tool(model, state, 1, 0, 2);
-    twist_tool(model, state, 2, 1, NO_TOOL);
 }

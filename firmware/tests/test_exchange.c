@@ -245,6 +245,34 @@ static void tool_that_came_by_exchange_is_the_tool_that_stayed(void **context)
     reference_tube_free(tube);
 }
 
+/* A tool leaves no force, no friction and no rotation to the one that takes its place. Its hand keeps its
+ * angle. */
+static void nothing_of_a_tool_that_left_stays(void **context)
+{
+    (void)context;
+    static const uint32_t line[] = {STIFF_WIRE, 0, GUIDE}, inserted_um[] = {0, 0, 200000};
+    rig *r = rig_with(line, NULL, inserted_um);
+    withdraw_exactly(r);
+    crn_tool_state *tool = &r->state.words.tools[INNER];
+    const uint32_t angle_turn32 = tool->base_turn32 = 12345678;
+    tool->handle_axial_N_q22 = tool->slide_grip_m_q33 = tool->slide_share_q30 = tool->tip_axial_N_q22 = 1
+                                                                                                        << 20;
+    for (uint32_t i = 0; i < r->state.words.free_count + 3; i++) {
+        crn_node_state *node = &r->state.words.nodes[i];
+        node->spin_q30[INNER] = node->grip_q30[INNER] = 1 << 20;
+    }
+    assert_int_equal(exchange(r, INNER, SHORT_WIRE), CRN_EXCHANGE_DONE);
+    assert_true(tool->handle_axial_N_q22 == 0 && tool->slide_grip_m_q33 == 0);
+    assert_true(tool->slide_share_q30 == 0 && tool->tip_axial_N_q22 == 0);
+    assert_int_equal(tool->base_turn32, angle_turn32);
+    for (uint32_t i = 0; i < r->state.words.free_count + 3; i++) {
+        const crn_node_state *node = &r->state.words.nodes[i];
+        assert_true(node->spin_q30[INNER] == 0 && node->grip_q30[INNER] == 0);
+        assert_int_equal(node->angle_turn32[INNER], 0u - angle_turn32);
+    }
+    free(r);
+}
+
 static void assert_refused(rig *r, uint32_t position, uint32_t tool, crn_exchange_status status)
 {
     rig *before = malloc(sizeof *before);
@@ -553,6 +581,7 @@ int main(void)
         cmocka_unit_test(exchange_keeps_the_other_tools_bit_for_bit),
         cmocka_unit_test(exchange_moves_no_node_in_the_next_ticks),
         cmocka_unit_test(tool_that_came_by_exchange_is_the_tool_that_stayed),
+        cmocka_unit_test(nothing_of_a_tool_that_left_stays),
         cmocka_unit_test(impossible_exchanges_are_refused_by_name),
         cmocka_unit_test(wire_that_is_too_short_holds_no_catheter_over_the_wire),
         cmocka_unit_test(nothing_passes_over_a_hub),

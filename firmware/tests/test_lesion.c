@@ -2,7 +2,8 @@
  * vessel, and that a partly opened lesion is wider than the closed lesion and narrower than the vessel. The
  * normals of the lesion's wall must match the gradients of the distance. The tests also show that a balloon
  * opens a lesion by its pressure on the wall. After deflation, a lesion recoils by its recoil fraction
- * (completely where it is elastic), and a stent's scaffold holds it open. The tests compare the results with
+ * (completely where it is elastic), and a stent's scaffold holds it open. Open lesions and struts go with a
+ * beating vessel. The tests compare the results with
  * the closed form of a stenosis in a straight tube. */
 #include <math.h>
 #include <setjmp.h>
@@ -17,6 +18,7 @@
 
 #include "firmware/core/lesion.h"
 #include "firmware/core/near/near.h"
+#include "firmware/core/strut.h"
 #include "firmware/tests/reference/damage.h"
 #include "firmware/tests/reference/long_run.h"
 #include "firmware/tests/reference/moving_tube.h"
@@ -217,6 +219,46 @@ static void normals_are_those_of_the_distance(void **state)
     free(r);
 }
 
+/* A channel of 0.8 mm radius lies 0.5 mm beside the axis of the healthy vessel. Open by a share s, the lumen
+ * is a circle that has gone the share s of the way to the healthy one, in its middle and in its radius. Near
+ * the wall the distance is that from the circle, because the map only stretches. */
+static void an_eccentric_lesion_opens_towards_the_healthy_axis(void **state)
+{
+    (void)state;
+    const reference_piece straight = {0.06, 0, 0};
+    const double aside_m = 0.5e-3;
+    reference_tube *channel = reference_tube_make(&straight, 1, throat_m, 2);
+    rig *r = rig_make(200, 0.3);
+    r->lumen.index = channel->lumen.index;
+    r->lumen.children = channel->lumen.children;
+    r->lumen.samples = channel->lumen.samples;
+    for (int k = 0; k < 3; k++) {
+        r->lumen.origin_m_q30[k] = channel->lumen.origin_m_q30[k];
+        r->lumen.brick_count_xyz[k] = channel->lumen.brick_count_xyz[k];
+    }
+    for (int i = 0; i < STATIONS; i++) {
+        r->stations[i].healthy_m_q30[1] = (int32_t)lround(aside_m * Q30);
+        r->stations[i].channel_radius_m_q30 = (int32_t)lround(throat_m * Q30);
+    }
+    double worst_mm = 0;
+    for (double share = 0.25; share < 1.1; share += 0.25) {
+        const crn_lesion_state lesions = opened(share);
+        const double radius_mm = 1e3 * (throat_m + share * (healthy_m - throat_m)),
+                     middle_mm = 1e3 * aside_m * share;
+        for (double turn = 0; turn < 6; turn += 0.5) {
+            for (double depth_mm = -0.2; depth_mm < 0.3; depth_mm += 0.1) {
+                const double rho_mm = radius_mm + depth_mm;
+                const crn_vec3 p = at_mm(35.3, middle_mm + rho_mm * cos(turn), rho_mm * sin(turn));
+                worst_mm = fmax(worst_mm, fabs(distance_mm(r, &lesions, p, NULL) - depth_mm));
+            }
+        }
+    }
+    print_message("# distances off by %.4f mm\n", worst_mm);
+    assert_true(worst_mm < 0.008);
+    free(r);
+    reference_tube_free(channel);
+}
+
 /* In a beating vessel, a point on the opened wall in the reference pose, moved by the vessel's motion, also
  * lies on the wall in patient coordinates. */
 static void an_open_lesion_goes_with_a_beating_vessel(void **state)
@@ -249,6 +291,48 @@ static void an_open_lesion_goes_with_a_beating_vessel(void **state)
     }
     print_message("# moved by up to %.1f mm, %.3f mm from the wall\n", farthest_mm, worst_mm);
     assert_true(farthest_mm > 1 && worst_mm < 0.04);
+    reference_motion_free(waves);
+    free(r);
+}
+
+/* In a beating vessel, a point on the struts in the reference pose, moved by the vessel's motion, also lies
+ * on the struts in patient coordinates. There, a step of 0.1 mm along the normal changes the distance by 0.1
+ * mm. */
+static void struts_go_with_a_beating_vessel(void **state)
+{
+    (void)state;
+    rig *r = rig_make(200, 0.3);
+    const double low_m[3] = {-0.05, -0.06, -0.06}, high_m[3] = {0.12, 0.06, 0.06};
+    reference_motion *waves = reference_waves_make(low_m, high_m, 23);
+    r->lumen.motion = &waves->motion;
+    for (int32_t i = 0; i < 10; i++) {
+        const crn_strut_order order = {(uint32_t)i + 1, {30000 + 2000 * i, 0, 0}, 1500, 80, i < 9};
+        assert_true(crn_state_strut(&r->state, &order));
+    }
+    double worst_m = 0, farthest_m = 0, step_m = 0;
+    for (uint32_t beat = 0; beat < 12; beat++) {
+        r->state.words.rhythm.heart_phase32 = beat * 357913941u;
+        crn_motion_pose pose;
+        crn_motion_pose_begin(&waves->motion, &pose, &r->state.words.rhythm, &r->state.words.rhythm);
+        for (double x = 31e-3; x < 47e-3; x += 0.9e-3) {
+            const crn_vec3 reference = at_mm(1e3 * x, 1.5 * cos(1e3 * x), 1.5 * sin(1e3 * x));
+            crn_vec3 world = reference;
+            for (int round = 0; round < 30; round++) {
+                const crn_vec3 back = crn_motion_pull(&waves->motion, &pose, &world);
+                for (int k = 0; k < 3; k++) world.v[k] += reference.v[k] - back.v[k];
+            }
+            crn_lumen_sample sample;
+            assert_true(crn_struts_wall(&r->model, &r->state.words, &pose, &world, 1000, &sample));
+            worst_m = fmax(worst_m, fabs(sample.distance_m_q30 / Q30));
+            farthest_m = fmax(farthest_m, abs(world.v[1] - reference.v[1]) / Q30);
+            for (int k = 0; k < 3; k++) world.v[k] += (int32_t)lround(1e-4 * sample.normal_q30.v[k]);
+            assert_true(crn_struts_wall(&r->model, &r->state.words, &pose, &world, 1000, &sample));
+            step_m = fmax(step_m, fabs(sample.distance_m_q30 / Q30 + 1e-4));
+        }
+    }
+    print_message("# moved by up to %.1f mm, %.2f um from the struts, 0.1 mm off by %.2f um\n",
+                  farthest_m * 1e3, worst_m * 1e6, step_m * 1e6);
+    assert_true(farthest_m > 1e-3 && worst_m < 1e-6 && step_m < 1.2e-6);
     reference_motion_free(waves);
     free(r);
 }
@@ -451,7 +535,9 @@ int main(void)
         cmocka_unit_test(a_lesion_in_near_memory_opens_as_in_place),
         cmocka_unit_test(open_by_a_share_its_radius_is_between_channel_and_vessel),
         cmocka_unit_test(normals_are_those_of_the_distance),
+        cmocka_unit_test(an_eccentric_lesion_opens_towards_the_healthy_axis),
         cmocka_unit_test(an_open_lesion_goes_with_a_beating_vessel),
+        cmocka_unit_test(struts_go_with_a_beating_vessel),
         cmocka_unit_test(closed_it_is_the_lumen_as_described),
         cmocka_unit_test(a_balloon_opens_a_soft_lesion_which_keeps_its_plastic_share),
         cmocka_unit_test(a_lesion_opens_by_the_pressure_beyond_its_yield),

@@ -354,6 +354,68 @@ static void a_light_tool_floats(void **context)
     assert_true(fabs(mass.inertia_mg_m - (500 + blood)) < 1.5);
 }
 
+/* Where the tip of a wide, floating tool lies in a cell, the cell weighs less than nothing and moves little
+ * blood along. Its inertia is never below that of 0.5 g/m, the lightest tool. */
+static void a_cell_is_never_lighter_than_the_lightest_tool(void **context)
+{
+    (void)context;
+    crn_instrument tools[2] = {make_tool(1e-3, 600000, 2000, 100, 0),
+                               make_tool(1e-3, 600000, 2000, 2000, 110)};
+    for (int k = 0; k < 2; k++)
+        for (uint32_t i = 0; i < tools[k].knot_count; i++) tools[k].knots[i].mass_mg_per_m = 500;
+    crn_entry entry = reference_entry();
+    entry.blood_kg_m3 = CRN_BLOOD_kg_m3;
+    crn_build_place place;
+    rig *r = calloc(1, sizeof *r);
+    assert_int_equal(crn_model_build(&r->model, tools, 2, NULL, &entry, &place), CRN_BUILD_OK);
+    double least_mg_m = 1e9;
+    for (uint32_t outer_um = 150000; outer_um < 152000; outer_um += 100) {
+        const uint32_t inserted_um[2] = {200000, outer_um};
+        crn_state_init(&r->model, &r->state, inserted_um);
+        for (uint32_t i = 1; i < 90; i++) {
+            const double cell_m =
+                (r->model.mesh[i].cell_end_m_q30 - r->model.mesh[i - 1].cell_end_m_q30) / Q30;
+            least_mg_m =
+                fmin(least_mg_m, 1e6 * r->state.line.nodes[i].mass_kg_q40 / 1099511627776.0 / cell_m);
+        }
+    }
+    assert_true(fabs(least_mg_m - 500) < 0.5);
+    free(r);
+}
+
+/* --- the matrix of a joint -------------------------------------------------------------------------------
+ */
+
+/* A joint's part of the matrix is W (a, c)^T (a, c) with a and c, the inverse lengths of its edges, so it has
+ * the rank one: p r = q^2 and p / q = a / c. The end of the sheath makes W larger in the joints that it cuts.
+ */
+static void the_matrix_of_a_joint_is_that_of_one_rotation(void **context)
+{
+    (void)context;
+    crn_instrument wire = make_tool(1e-3, 600000, 2000, 445, 0);
+    wire.element_tip_um = 1000;
+    wire.element_fine_um = 40000;
+    crn_build_place place;
+    rig *r = calloc(1, sizeof *r);
+    assert_int_equal(build(r, &wire, 1, &place), CRN_BUILD_OK);
+    double stiffest = 0;
+    for (uint32_t inserted_um = 50000; inserted_um < 52000; inserted_um += 130) {
+        crn_state_init(&r->model, &r->state, &inserted_um);
+        crn_input input = {0};
+        crn_rod_feed(&r->model, &r->state, &input);
+        for (uint32_t i = 2; i <= r->state.words.free_count; i++) {
+            const crn_joint *joint = crn_rod_joint(&r->state, i);
+            const double a_per_c = (double)r->model.mesh[i].length_m_q30 / r->model.mesh[i - 1].length_m_q30;
+            assert_true(fabs((double)joint->p * joint->r / joint->q / joint->q - 1) < 1e-5);
+            assert_true(fabs((double)joint->p / joint->q / a_per_c - 1) < 1e-5);
+            stiffest =
+                fmax(stiffest, joint->bend_N_m_q26 / (double)r->state.line.nodes[i].joint.bend_N_m_q26);
+        }
+    }
+    assert_true(stiffest > 3);
+    free(r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -367,6 +429,8 @@ int main(void)
         cmocka_unit_test(a_mass_beyond_the_nodes_format_is_refused),
         cmocka_unit_test(tools_in_blood_lose_weight_and_gain_inertia),
         cmocka_unit_test(a_light_tool_floats),
+        cmocka_unit_test(a_cell_is_never_lighter_than_the_lightest_tool),
+        cmocka_unit_test(the_matrix_of_a_joint_is_that_of_one_rotation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

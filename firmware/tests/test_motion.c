@@ -85,17 +85,18 @@ static void draw_place(reference_random *random, double phase, double breath, do
 }
 
 /* At its nodes and keyframes, the lattice equals the map, apart from half a unit of the stored numbers and
- * the rounding of the weights. */
+ * the rounding of the weights. Each of the eight cells around a node gives the same value there. */
 static void the_lattice_passes_through_its_keyframes(void **state)
 {
     (void)state;
     double worst = 0;
-    for (uint32_t i = 0; i < 24; i++) {
-        crn_motion_pose pose = pose_at(i / 24.0 + 1e-9, 0, 0);
-        const double x[3] = {-0.008 + 12 / 128.0, -0.04 + 5 / 128.0, -0.024 + 5 / 128.0};
-        double X[3], got[3];
+    for (uint32_t i = 0; i < 24 * 8; i++) {
+        crn_motion_pose pose = pose_at(i / 8 / 24.0 + 1e-9, 0, 0);
+        const double node[3] = {-0.008 + 12 / 128.0, -0.04 + 5 / 128.0, -0.024 + 5 / 128.0};
+        double x[3], X[3], got[3];
+        for (int k = 0; k < 3; k++) x[k] = node[k] + ((i >> k & 1) != 0 ? 1e-8 : -1e-8);
         crn_vec3 world = to_q30(x), reference = crn_motion_pull(&beating->motion, &pose, &world);
-        reference_pull(reference_beating_sphere, x, i / 24.0, 0, X);
+        reference_pull(reference_beating_sphere, x, i / 8 / 24.0, 0, X);
         for (int k = 0; k < 3; k++) got[k] = reference.v[k] / q30_per_m;
         worst = fmax(worst, distance_m(got, X));
     }
@@ -302,6 +303,87 @@ static void the_wall_step_is_that_of_the_map(void **state)
     assert_true(fmax(worst[0], worst[1]) < 0.05 * fastest + 2e-6);
 }
 
+/* Finds the place x that the look-up of a pose maps to X in the reference pose. */
+static crn_vec3 place_of(crn_motion_pose *pose, const crn_vec3 *X)
+{
+    crn_vec3 x = *X;
+    for (int round = 0; round < 40; round++) {
+        const crn_vec3 back = crn_motion_pull(&beating->motion, pose, &x);
+        for (int k = 0; k < 3; k++) x.v[k] += X->v[k] - back.v[k];
+    }
+    return x;
+}
+
+/* Where a wall point was before a tick and where it is after it, the look-up of the lattice itself tells; the
+ * wall's step is the difference. A step that leads from one cell into the next may be off by more, because
+ * the slope of the lattice changes there. */
+static void the_wall_step_is_the_difference_of_two_look_ups(void **state)
+{
+    (void)state;
+    reference_random random = reference_random_seed(7);
+    enum { PLACES = 2000 };
+    int far = 0, steps = 0;
+    double off = 0, all = 0;
+    for (int i = 0; i < PLACES; i++) {
+        double X[3], x[3], got[3], way[3];
+        const double phase = uniform(&random, 0, 1), tick = 10.0 / 24 / 288, none[3] = {0, 0, 0};
+        draw_place(&random, phase, 0, X, x);
+        crn_motion_pose now = pose_at(phase, tick, 0), before = pose_at(phase - tick, 0, 0);
+        const crn_vec3 here = to_q30(x), fixed = crn_motion_pull(&beating->motion, &now, &here),
+                       there = place_of(&before, &fixed);
+        crn_motion_contact(&tube->lumen, &beating->motion, &now, &here);
+        const crn_vec3 step = crn_motion_wall_step(&beating->motion, &now);
+        for (int k = 0; k < 3; k++) {
+            got[k] = step.v[k] / (8 * q30_per_m);
+            way[k] = (here.v[k] - there.v[k]) / q30_per_m;
+        }
+        if (distance_m(way, none) < 5e-6) continue; /* the rounding of the look-up is felt */
+        steps++;
+        off += distance_m(way, got) / distance_m(way, none);
+        all = fmax(all, distance_m(way, got) / distance_m(way, none));
+        far += distance_m(way, got) > 0.01 * distance_m(way, none);
+    }
+    print_message("# mean %.3f %% of a step, worst %.2f %%, %d of %d off by more than 1 %%\n",
+                  100 * off / steps, 100 * all, far, steps);
+    assert_true(steps > PLACES / 2 && off / steps < 0.002);
+}
+
+/* A breath stretches everything along x: X - m = (1 + g depth) (x - m). The series for the wall's step is
+ * off by the third power of g depth. */
+static void the_step_of_a_breath_that_stretches_is_that_of_its_closed_form(void **state)
+{
+    (void)state;
+    enum { SIDE = 8, NODES = SIDE * SIDE * SIDE, MIDDLE = 3 };
+    static int16_t rows[NODES * 3 * CRN_MOTION_ROW], inhaled[NODES * 3];
+    const int32_t spacing_q30 = 1 << 23, unit = 1 << CRN_MOTION_UNIT_LOG2_Q30;
+    const double g = 0.3, spacing_m = spacing_q30 / q30_per_m;
+    for (int i = 0; i < NODES; i++)
+        inhaled[3 * i] = (int16_t)lround(g * (i % SIDE - MIDDLE) * spacing_q30 / unit);
+    const crn_lattice lattice = {{0, 0, 0}, {SIDE, SIDE, SIDE}, 23};
+    const crn_motion stretch = {lattice, rows, lattice, inhaled, NULL};
+    double worst = 0, most = 0;
+    for (double turn = 0.05; turn < 0.5; turn += 0.01) {
+        const crn_rhythm before = {.breath_phase32 = phase32(turn - 2e-4)},
+                         now = {.breath_phase32 = phase32(turn)};
+        crn_motion_pose pose;
+        crn_motion_pose_begin(&stretch, &pose, &before, &now);
+        const double x[3] = {5.4 * spacing_m, 3.3 * spacing_m, 3.6 * spacing_m}, m = MIDDLE * spacing_m,
+                     after = 1 + g * pose.now.breath_q15 / 32768.0,
+                     ahead = 1 + g * pose.before.breath_q15 / 32768.0, way = (x[0] - m) * (1 - after / ahead),
+                     scale = fabs(after - 1);
+        const crn_vec3 world = to_q30(x);
+        crn_motion_contact(&tube->lumen, &stretch, &pose, &world);
+        const crn_vec3 step = crn_motion_wall_step(&stretch, &pose);
+        assert_true(abs(step.v[1]) + abs(step.v[2]) < 100);
+        if (fabs(way) < 1e-6) continue; /* at either end of the breath */
+        const double off = fabs(step.v[0] / (8 * q30_per_m) / way - 1);
+        worst = fmax(worst, off - pow(scale, 3));
+        most = fmax(most, off);
+    }
+    print_message("# off by %.2f %% at most, %.3f %% more than the series\n", 100 * most, 100 * worst);
+    assert_true(worst < 0.0005);
+}
+
 /* --- the rod in a moving vessel ------------------------------------------------------------------------- */
 
 static crn_model model;
@@ -486,6 +568,8 @@ int main(void)
         cmocka_unit_test(the_normal_is_the_gradient_of_the_moved_distance),
         cmocka_unit_test(the_cheap_distance_never_hides_a_contact),
         cmocka_unit_test(the_wall_step_is_that_of_the_map),
+        cmocka_unit_test(the_wall_step_is_the_difference_of_two_look_ups),
+        cmocka_unit_test(the_step_of_a_breath_that_stretches_is_that_of_its_closed_form),
         cmocka_unit_test(a_wire_in_a_beating_vessel_is_carried),
         cmocka_unit_test(a_beating_state_can_be_saved_and_goes_on_the_same),
         cmocka_unit_test(a_wall_that_slides_drags_at_mu_N),

@@ -2,7 +2,7 @@
 """Simulates scripted scenes with every machine, compiler and optimisation level, and checks that all results have the
 same hash. If a hash differs, the script finds the first difference.
 
-  matrix.py [--short] [--jobs 2] [--only TEXT] [--break VARIANT:TICK:PART:NODE] [--programs FOLDER]
+  matrix.py [--short] [--jobs 2] [--only TEXT] [--break VARIANT:TICK:PART:NODE] [--programs FOLDER] [--built BUILD]
 
 For each variant, the script builds tools/check/core_hash.c with the simulation core, and runs it natively, in QEMU, or
 on an emulated Cortex-M7 board. The script prints a table and also writes this table to out/matrix.tsv. If the results
@@ -10,8 +10,9 @@ of a variant differ from those of the first variant, the script finds the first 
 the first node with a difference. The parts of a tick are feed, stretch, twist, contact, force, solve, angle, friction
 and motion. The option --short runs one variant per machine and writes no table. The option --break flips one bit in one
 variant, to demonstrate the search. With --programs the built programs are kept in FOLDER, and a later call with the
-same FOLDER runs them; otherwise every call builds anew. The exit code is 0 if all variants give
-the same hash, 1 if a hash differs, and 2 for a usage error.
+same FOLDER runs them; otherwise every call builds anew. With --built, the variants of x86-64 and Cortex-M7 contain the
+core's objects that ship, from the build folder BUILD, and not objects of their own. The exit code is 0 if all variants
+give the same hash, 1 if a hash differs, and 2 for a usage error.
 """
 
 import argparse
@@ -49,6 +50,11 @@ MACHINES = {
     "riscv64": ("riscv64-linux-gnu-gcc", "riscv64-linux-gnu", ["qemu-riscv64"]),
 }
 LEVELS = ("-O2", "-O0", "-O3")
+# Machine -> where the build folder has the core's objects that ship (--built).
+SHIPPED = {
+    "x86-64": "firmware/core/CMakeFiles/crn_firmware_core.dir/**/*.c.o",
+    "Cortex-M7": "m7/firmware/images/CMakeFiles/image_core.dir/**/*.c.obj",
+}
 # Undefined behaviour stops the program; a trap needs no runtime library, so that it works on every machine.
 SANITIZER = ["-fsanitize=undefined", "-fsanitize-trap=undefined"]
 
@@ -57,6 +63,7 @@ class Variant:
     def __init__(self, machine, compiler, flags, title):
         self.machine, self.compiler, self.flags = machine, compiler, flags
         self.name = "%s %s %s" % (machine, compiler, title)
+        self.objects = []  # of the core, if they are not compiled here (--built)
         self.program = None
         self.problem = None
         self.text = ""
@@ -93,20 +100,37 @@ def run(command, time_limit_s=TIME_LIMIT_S):
     return done.returncode, done.stdout.decode("utf-8", "replace"), done.stderr.decode("utf-8", "replace")
 
 
+def core_sources():
+    return sorted(glob.glob("firmware/core/**/*.c", root_dir=ROOT, recursive=True))
+
+
+def take_shipped(all_variants, folder):
+    """Implements the option --built. Returns a text about objects that are missing, which is empty if none is."""
+    names = {os.path.basename(source) for source in core_sources()}
+    for variant in all_variants:
+        if variant.machine in SHIPPED and variant.compiler == "gcc":
+            place = os.path.join(ROOT, folder, SHIPPED[variant.machine])
+            variant.objects = sorted(glob.glob(place, recursive=True))
+            missing = names - {os.path.basename(path).rsplit(".", 1)[0] for path in variant.objects}
+            if missing:
+                return "--built: no object of %s in %s; make test builds them" % (", ".join(sorted(missing)), place)
+            variant.name = "%s gcc, as it ships" % variant.machine
+    return ""
+
+
 def compile_commands(variant, program):
     """Returns the commands that build the program core_hash. The console file is always compiled, and the program is
     always linked, by the gcc of the target machine."""
     gcc, target, _ = MACHINES[variant.machine]
     bare = variant.machine == "Cortex-M7"
     machine_flags = M7_FLAGS if bare else []
-    checked = sorted(glob.glob("firmware/core/**/*.c", root_dir=ROOT, recursive=True)) + [
-        "tools/check/core_hash.c",
-        "tools/check/core_scenes.c",
-    ]
+    checked = ["tools/check/core_hash.c", "tools/check/core_scenes.c"]
+    if not variant.objects:
+        checked += core_sources()
     compiler = [gcc] if variant.compiler == "gcc" else ["clang", "--target=" + target]
     if bare and variant.compiler == "clang":
         compiler.append("-fshort-enums")  # as the ABI of the bare gcc has it
-    objects = []
+    objects = list(variant.objects)
     for source in checked:
         objects.append("%s.%s.o" % (program, os.path.basename(source)))
         yield (
@@ -246,12 +270,17 @@ def main():
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="variants at a time (default: cores)")
     parser.add_argument("--only", default="", help="only variants whose name holds this text, and the reference")
     parser.add_argument("--programs", metavar="FOLDER", help="build into this folder, and build nothing that is there")
+    parser.add_argument("--built", metavar="BUILD", help="with --short: take the objects that ship from this folder")
     parser.add_argument("--break", dest="broken", metavar="VARIANT:TICK:PART:NODE", help="flip a bit in one variant")
     options = parser.parse_args()
     chosen = variants(options.short)
     chosen = chosen[:1] + [v for v in chosen[1:] if options.only in v.name]
     if options.broken and (options.broken.count(":") != 3 or not break_one(chosen[1:], options.broken)):
         parser.error("--break: no variant but the first begins with that name, or not VARIANT:TICK:PART:NODE")
+    if options.built and not options.short:
+        parser.error("--built: only with --short, whose variants are the ones that ship")
+    if options.built and (missing := take_shipped(chosen, options.built)):
+        sys.exit(missing)
     with tempfile.TemporaryDirectory() as made:
         folder = options.programs or made
         with concurrent.futures.ThreadPoolExecutor(max(1, options.jobs)) as pool:

@@ -33,7 +33,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "check"))
 import made_scenes  # noqa: E402
@@ -374,6 +373,12 @@ def execute(command, scratch, display):
     return [] if code == wanted else ["ended with %s, expected %s" % (code, wanted)] + lines
 
 
+def processor_s():
+    """Returns the processor time of all commands so far."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
 def missing_for(command):
     """Returns the reason why a command of the given class cannot run on this machine; returns an empty text if the
     command can run."""
@@ -423,22 +428,21 @@ class Run:
         if self.how in CLASSES[command.kind][0]:
             missing = missing_for(command)
             if not missing:
-                begin = time.monotonic()
+                begin = processor_s()
                 self.executed += 1
                 faults = execute(command, scratch, self.display)
-                return self.result("%s (%.0f s)" % (name, time.monotonic() - begin), faults)
+                return self.result("%s (%.1f s)" % (name, processor_s() - begin), faults)
             return self.result(name, [], missing)
         return self.result("%s (looked at: %s)" % (name, CLASSES[command.kind][1]), self.looker.faults(command))
 
     def figures(self, total):
         kinds = " ".join("%s=%d" % one for one in sorted(self.by_kind.items()))
-        usage = resource.getrusage(resource.RUSAGE_CHILDREN)
         context = "run=%s %s" % (self.how, kinds)
         return [
             ("docs.commands", total, "commands", context),
             ("docs.commands_run", self.executed, "commands", context),
             ("docs.commands_failed", self.failed, "commands", context),
-            ("docs.commands_cpu_s", round(usage.ru_utime + usage.ru_stime, 1), "s", context),
+            ("docs.commands_cpu_s", round(processor_s(), 1), "s", context),
         ]
 
 

@@ -11,7 +11,9 @@ import subprocess
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
-UNITS = "vector fixed line length tip rod tools lumen motion rhythm lesion strut balloon near exchange".split()
+UNITS = (
+    "vector fixed line length tip rod tools lumen motion rhythm lesion strut balloon near exchange tools_friction"
+).split()
 VALIDATE = "validate"
 CORE_ARCHIVE = "lib/libfirmware_core.a"
 FUNCTION = re.compile(r"^(?:static )?[a-z_0-9 \*]*?\b(\w+)\([^;{}]*\)\n\{\n.*?^\}\n", re.M | re.S)

@@ -220,7 +220,8 @@ static void check_verdict(const priced *one, const char *board, double permille,
 }
 
 /* The estimate of the emulated device is this formula's, and judges as the measured share does. Its error is
- * that of the whole tick, core and app. */
+ * that of the whole tick, core and app. In a still vessel, where boards are near their limit, it is at most 2
+ * % too low (measured: 0.6 %); the beating sessions are far beyond the limit, and one is 12 % too low. */
 static void every_priced_session_is_judged_as_its_measured_cycles_are(void **state)
 {
     (void)state;
@@ -236,7 +237,7 @@ static void every_priced_session_is_judged_as_its_measured_cycles_are(void **sta
         print_message("# %s: %.0f nodes, %.0f positions: %.0f cycles estimated, %.0f measured: %+.1f %%\n",
                       one->name, one->nodes, one->positions, one->estimate_cycles,
                       one->cycles + one->app_cycles, 100 * error);
-        assert_true(error > -0.15 && error < 0.3);
+        assert_true(error > (one->is_beating ? -0.15 : -0.02) && error < 0.3);
         check_verdict(one, "i.MX RT1062", one->rt1062_permille, 600000);
         check_verdict(one, "i.MX RT1176", one->rt1176_permille, 1000000);
     }

@@ -191,8 +191,7 @@ def check_progress(report, folder):
     cases = {
         "cournand": ["cournand", "run", "--session", "free_space"] + TOOL,
         "anatomy": ["anatomy", "phantom", "--no-bodies", "--lumen-mm", "2", "-o", "phantom"],
-        # With fewer points, it may be too fast to show any.
-        "bake": ["bake", "phantom/scene.toml", "-o", "phantom.scene", "--points", "1000000"],
+        "bake": ["bake", "phantom/scene.toml", "-o", "phantom.scene", "--points", "1000", "--poses", "0"],
         "centreline": ["centreline", "auto", "phantom/scene.toml", "-o", "phantom.csv"],
     }
     for name, words in cases.items():

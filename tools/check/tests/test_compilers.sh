@@ -1,10 +1,14 @@
 #!/usr/bin/env bash
 # The core computes the same bits whatever compiles it: tools/check/core_hash.c built three ways prints the hashes of
-# tools/check/core_hash.golden. With the word `others` it is built three other ways, and must print the same hashes.
-# Prints TAP. Other machines: test_matrix.py and `make matrix`. The whole host program: compare_compilers.sh (make
-# compilers).
+# tools/check/core_hash.golden. Two of the three contain the core's library from the build: the one that ships (gcc
+# -O3), and the one of the sanitized tests (clang -O2). With the word `others` it is built three other ways, and must
+# print the same hashes. Prints TAP. Other machines: test_matrix.py and `make matrix`. The whole host program:
+# compare_compilers.sh (make compilers).
 set -uo pipefail
 cd "$(dirname "$0")/../../.." || exit 1
+built="${CRN_SHIPPED:-${BUILD:-build}}"
+library="$built/lib/libfirmware_core.a"
+sanitized="$built/san/lib/libfirmware_core.a"
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT
 
@@ -19,16 +23,17 @@ report() { # report STATUS NAME [FILE]
     fi
 }
 
-build() { # build NAME COMPILER FLAGS...
-    local name="$1"
-    shift
-    "$@" -std=c11 -I. firmware/core/*.c firmware/core/near/*.c tools/check/core_{hash,scenes}.c \
-        tools/check/console_stdio.c \
+build() { # build NAME CORE COMPILER FLAGS...: CORE is `sources`, or a library of the build
+    local name="$1" core="$2"
+    shift 2
+    [ "$core" != sources ] || core="$(echo firmware/core/*.c firmware/core/near/*.c)"
+    # shellcheck disable=SC2086
+    "$@" -std=c11 -I. tools/check/core_{hash,scenes}.c tools/check/console_stdio.c $core \
         -o "$folder/$name" \
         >"$folder/log" 2>&1
 }
 
-compare() { # compare TITLE COMPILER FLAGS...
+compare() { # compare TITLE CORE COMPILER FLAGS...
     local title="$1"
     shift
     if build variant "$@"; then
@@ -41,14 +46,15 @@ compare() { # compare TITLE COMPILER FLAGS...
 }
 
 if [ "${1:-}" = others ]; then
-    compare "gcc -O0" gcc -O0
-    compare "gcc -Os" gcc -Os
-    compare "clang -O2" clang -O2
+    compare "gcc -O0" sources gcc -O0
+    compare "gcc -Os" sources gcc -Os
+    compare "clang -O1 with the undefined-behaviour sanitizer" sources \
+        clang -O1 -fsanitize=undefined -fno-sanitize-recover=all
     echo "1..$count"
     exit $failed
 fi
 
-build reference gcc -O2
+build reference sources gcc -O2
 report $? "the hash program builds with gcc -O2" "$folder/log"
 "$folder/reference" >"$folder/expected" 2>&1
 report $? "the hash program runs" "$folder/expected"
@@ -66,7 +72,7 @@ contacts="$(sed -n 's/^tube contacts_max \([0-9]*\).*/\1/p' "$folder/expected")"
 [ "${contacts:-0}" -ge 10 ]
 report $? "the session has at least 10 contacts at once (${contacts:-none})"
 
-compare "gcc -O3" gcc -O3
-compare "clang -O1 with the undefined-behaviour sanitizer" clang -O1 -fsanitize=undefined -fno-sanitize-recover=all
+compare "the library that ships, gcc -O3" "$library" gcc -O3
+compare "the library with the sanitizers, clang -O2" "$sanitized" clang -O2 -fsanitize=address,undefined
 echo "1..$count"
 exit $failed

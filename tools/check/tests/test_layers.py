@@ -77,6 +77,7 @@ ALLOWED = {
     ],
     "firmware/port/libc": [],
     "firmware/tests": ["firmware", "shared"],
+    "firmware/tests/board": ["firmware", "shared"],
     "firmware/tests/reference": [
         "firmware/core",
         "firmware/app",

@@ -57,22 +57,32 @@ double turning(const Rig &rig, double from_m)
     return sum;
 }
 
+// Where tools lie at the beginning of a draw, behind the end of the bends.
+struct Places {
+    std::vector<double> back_m; // of every tool's tip; negative: it comes out
+    unsigned moved = 0;         // the hands of the tools 0 .. moved draw
+};
+
 struct Draw {
     double ratio = 0,
            angle_rad = 0; // force on the moved hands divided by the load; angle inside of the lumen
 };
 
-// A dead load pulls the wire's tip out of the catheters, which hands hold. The hands of the tools 0 .. moved
-// draw these tools back, or let them go forwards, at 10 mm/s.
-Draw draw(unsigned tools, unsigned moved, double angle_rad, double friction, int way)
+// A dead load pulls the leading tip out of the tools around it, which hands hold. The hands of the tools 0 ..
+// moved draw these tools back, or let them go forwards, at 10 mm/s.
+Draw draw(const Places &places, double angle_rad, double friction, int way)
 {
     Path path = bends(angle_rad);
     LumenField field = tube_field(path, tube_m, 0);
-    const double inside_m = path.length() - 0.03 - out_m - 0.05 + 0.03, wire_m = inside_m + 0.03;
+    const double inside_m = path.length() - 0.03 - out_m - 0.05 + 0.03;
+    const unsigned tools = static_cast<unsigned>(places.back_m.size()), moved = places.moved;
     Start start;
-    for (unsigned k = 0; k < tools; k++)
-        start.inserted_m.push_back(k <= moved ? wire_m + 0.005 * (1 - double(k)) : inside_m);
-    Rig rig(soft_tools(tools, wire_m + 0.1, friction), &field, start);
+    double longest_m = 0;
+    for (double back_m : places.back_m) {
+        start.inserted_m.push_back(inside_m - back_m);
+        longest_m = std::max(longest_m, inside_m - back_m);
+    }
+    Rig rig(soft_tools(tools, longest_m + 0.1, friction), &field, start);
     std::vector<Vector3d> nodes;
     for (unsigned i = 0; i < rig.free_count(); i++)
         nodes.push_back(path.at(0.03 + rig.inserted() - rig.arc(i)));
@@ -86,12 +96,22 @@ Draw draw(unsigned tools, unsigned moved, double angle_rad, double friction, int
         for (unsigned k = 0; k <= moved; k++) rig.feed(way * 1e-5 * tick, k);
         rig.step();
         if (tick <= ticks / 2) continue;
-        double hands_N = 0;
+        double hands_N = 0, front_m = 0;
         for (unsigned k = 0; k <= moved; k++) hands_N -= rig.handle_axial(k);
+        for (unsigned k = moved + 1; k < tools; k++) front_m = std::max(front_m, rig.inserted(k));
         result.ratio += hands_N / load_N / (ticks - ticks / 2);
-        result.angle_rad += turning(rig, rig.inserted() - rig.inserted(moved + 1)) / (ticks - ticks / 2);
+        result.angle_rad += turning(rig, rig.inserted() - front_m) / (ticks - ticks / 2);
     }
     return result;
+}
+
+// Tips of the tools 0 .. moved come out by 30 mm and less, and the others end with the bends.
+Places level(unsigned tools, unsigned moved)
+{
+    Places places;
+    for (unsigned k = 0; k < tools; k++) places.back_m.push_back(k <= moved ? -0.035 + 0.005 * k : 0.0);
+    places.moved = moved;
+    return places;
 }
 
 void nested_capstan(Result &result, bool quick)
@@ -113,7 +133,7 @@ void nested_capstan(Result &result, bool quick)
         colour++;
         for (int angle : {0, 90, 180, 270, 360}) {
             if (quick && !(mu == 0.2 && angle == 180) && !(mu == 0.4 && angle == 360)) continue;
-            Draw got = draw(2, 0, angle * degree, mu, -1);
+            Draw got = draw(level(2, 0), angle * degree, mu, -1);
             result.relative("wire." + std::to_string(angle) + "_deg.mu_" + number_text(mu), "",
                             std::exp(mu * got.angle_rad), got.ratio, 2);
             ours.x.push_back(got.angle_rad / degree);
@@ -132,14 +152,17 @@ void nested_capstan(Result &result, bool quick)
         for (int angle : {90, 180, 360}) {
             if (quick && angle != 180) continue;
             std::string name = std::to_string(angle) + "_deg.mu_" + number_text(mu);
-            Draw forwards = draw(2, 0, angle * degree, mu, 1);
+            Draw forwards = draw(level(2, 0), angle * degree, mu, 1);
             double left = std::exp(-mu * forwards.angle_rad);
             result.error("forwards." + name, "", left, forwards.ratio, 100 * (forwards.ratio - left),
                          "% of the load", 1.5);
-            Draw three = draw(3, 0, angle * degree, mu, -1);
+            Draw three = draw(level(3, 0), angle * degree, mu, -1);
             result.relative("wire_of_three." + name, "", std::exp(mu * three.angle_rad), three.ratio, 2);
-            Draw two = draw(3, 1, angle * degree, mu, -1);
+            Draw two = draw(level(3, 1), angle * degree, mu, -1);
             result.relative("wire_and_catheter." + name, "", std::exp(mu * two.angle_rad), two.ratio, 2);
+            // The middle tip lies behind the bends, so the wire rubs in the guide itself.
+            Draw apart = draw({{-0.03, 0.10, 0.0}, 0}, angle * degree, mu, -1);
+            result.relative("wire_in_guide." + name, "", std::exp(mu * apart.angle_rad), apart.ratio, 2);
         }
     }
 }
@@ -185,7 +208,7 @@ void weight_in_blood(Result &result, bool quick)
         double length = rig.inserted();
         PlaneShape shape = elastica(0, weight_N_m * length * length * length / bend);
         result.relative("sag." + setting.name, "mm", 1e3 * length * shape.y.back(), 1e3 * rig.position(0)[2],
-                        2);
+                        0.1);
     }
 }
 

@@ -163,11 +163,15 @@ void incline(Result &result, bool quick)
                             std::atan(mu) / degree, slope.onset_deg, 0.6);
             if (skew) plot.series.push_back(slope.travel);
         }
+        // A rod at rest holds by its static friction, however low its kinetic one is.
+        for (double kinetic : {0.1, 0.17}) {
+            if (quick && kinetic != 0.1) continue;
+            const double held = 0.2;
+            result.absolute(std::string(skew ? "askew" : "aligned") + ".static_" + number_text(held) +
+                                ".kinetic_" + number_text(kinetic),
+                            "deg", std::atan(held) / degree, tilt(kinetic, held, skew).onset_deg, 0.6);
+        }
     }
-    // A rod that is at rest holds by its static friction, however low its kinetic one is. It slips somewhat
-    // earlier, because an element that slips first leaves its load to the others.
-    result.absolute("static_0.3.kinetic_0.15", "deg", std::atan(0.3) / degree,
-                    tilt(0.15, 0.3, false).onset_deg, 2);
     result.plots.push_back(plot);
 }
 

@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 #include "firmware/app/usb/usb.h"
-#include "firmware/tests/board_usb_model.h"
+#include "firmware/tests/board/board_usb_model.h"
 
 /* --- helpers -------------------------------------------------------------------------------------------- */
 static const crn_udc *udc;
