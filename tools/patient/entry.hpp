@@ -26,11 +26,6 @@ struct TreeEnd {
 };
 std::vector<TreeEnd> ends_of(const centreline::Tree &tree);
 
-// Where the mesh of a vessel closes, flat or round, the inscribed spheres of the last three radii become
-// small: they get the radius of the vessel behind them. Otherwise an outlet would take hardly any flow, which
-// grows with the cube of its radius.
-void widen_closed_ends(centreline::Tree &tree);
-
 // Returns the place `inside_mm` along the vessel from an end, and the direction from the end into the vessel.
 // Throws Fault for a branch with a single sphere.
 Entry inside_end(const centreline::Tree &tree, const TreeEnd &end, double inside_mm = entry_mm);

@@ -373,7 +373,6 @@ void make_scene_folder(const std::vector<Part> &parts, const Frame &frame, const
     Tree tree = centreline::fit_automatic(inside, automatic, notes, progress);
     for (Branch &branch : tree.branches)
         for (Sphere &sphere : branch.spheres) sphere.radius_mm = std::max(sphere.radius_mm, 0.1);
-    widen_closed_ends(tree);
     const Sphere &inlet = tree.branches.front().spheres.front();
     const double inlet_mm = tree.branches.front().spheres[tree.branches.front().spheres.size() / 2].radius_mm;
     choices.add("inlet",
