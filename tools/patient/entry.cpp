@@ -22,6 +22,33 @@ std::vector<TreeEnd> ends_of(const centreline::Tree &tree)
     return ends;
 }
 
+void widen_closed_ends(centreline::Tree &tree)
+{
+    constexpr double closing_radii = 3.0, closed_share = 0.75;
+    for (const TreeEnd &end : ends_of(tree)) {
+        std::vector<centreline::Sphere> &spheres = tree.branches[end.branch].spheres;
+        const auto from_end = [&](std::size_t i) -> centreline::Sphere & {
+            return spheres[end.is_root ? i : spheres.size() - 1 - i];
+        };
+        // The spheres of a side branch inside its parent are the parent's.
+        const std::size_t count =
+            spheres.size() - (end.is_root ? 0 : centreline::first_own_sphere(tree, end.branch));
+        double passed_mm = from_end(0).radius_mm, vessel_mm = 0.0; // from the end's wall
+        std::size_t closing = 0;
+        for (; closing < count; ++closing) {
+            if (closing > 0)
+                passed_mm += (from_end(closing).centre_mm - from_end(closing - 1).centre_mm).norm();
+            const double radius_mm = from_end(closing).radius_mm;
+            const bool is_beyond = passed_mm >= closing_radii * radius_mm;
+            vessel_mm = is_beyond ? radius_mm : std::max(vessel_mm, radius_mm);
+            if (is_beyond) break;
+        }
+        if (from_end(0).radius_mm > closed_share * vessel_mm) continue; // open, or it becomes thin by itself
+        for (std::size_t i = 0; i < closing; ++i)
+            from_end(i).radius_mm = std::max(from_end(i).radius_mm, vessel_mm);
+    }
+}
+
 Entry inside_end(const centreline::Tree &tree, const TreeEnd &end, double inside_mm)
 {
     const centreline::Branch &branch = tree.branches[end.branch];
@@ -32,7 +59,8 @@ Entry inside_end(const centreline::Tree &tree, const TreeEnd &end, double inside
     for (std::size_t i = 1; i < line.size(); ++i) {
         const Vector3d step = line[i] - line[i - 1];
         passed_mm += step.norm();
-        if (passed_mm >= inside_mm || i + 1 == line.size()) return {line[i], step.normalized(), branch.name};
+        if (passed_mm >= inside_mm || i + 1 == line.size())
+            return {line[i], step.normalized(), branch.name, passed_mm};
     }
     throw Fault("tree: the branch " + branch.name + " has a single place");
 }

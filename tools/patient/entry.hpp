@@ -12,6 +12,7 @@ namespace crn::patient
 struct Entry {
     Eigen::Vector3d place_mm, direction;
     std::string branch;
+    double inside_mm; // from the end
 };
 
 constexpr double entry_mm = 15.0; // from the end of the vessel into it, where nothing else is asked
@@ -24,6 +25,11 @@ struct TreeEnd {
     double radius_mm = 0; // in the middle of its branch
 };
 std::vector<TreeEnd> ends_of(const centreline::Tree &tree);
+
+// Where the mesh of a vessel closes, flat or round, the inscribed spheres of the last three radii become
+// small: they get the radius of the vessel behind them. Otherwise an outlet would take hardly any flow, which
+// grows with the cube of its radius.
+void widen_closed_ends(centreline::Tree &tree);
 
 // Returns the place `inside_mm` along the vessel from an end, and the direction from the end into the vessel.
 // Throws Fault for a branch with a single sphere.

@@ -1,6 +1,7 @@
 #include "tools/patient/parts.hpp"
 #include "host/base/format.hpp"
 #include "host/base/output_files.hpp"
+#include "shared/scene/scene.h"
 #include "tools/bake/fault.hpp"
 #include "tools/centreline/fit/axes.hpp"
 #include "tools/mesh/files/mesh_file.hpp"
@@ -189,9 +190,26 @@ bool is_artery_name(const std::string &name)
                           "coeliac"});
 }
 
-std::vector<std::string> short_names(const std::vector<std::string> &names)
+std::string BranchNames::add(std::string wanted)
 {
-    constexpr std::size_t letters_max = 27;
+    constexpr std::size_t letters_max = CRN_SCENE_BRANCH_NAME_BYTES - 1;
+    const auto cut_to = [](std::string name, std::size_t letters) {
+        name.resize(std::min(name.size(), letters));
+        while (!name.empty() && name.back() == '_') name.pop_back();
+        return name;
+    };
+    wanted = cut_to(wanted, wanted.size());
+    if (wanted.empty()) wanted = "vessel";
+    std::string name = cut_to(wanted, letters_max);
+    for (int number = 2; !used_.insert(name).second; ++number) {
+        const std::string ending = "_" + std::to_string(number);
+        name = cut_to(wanted, letters_max - ending.size()) + ending;
+    }
+    return name;
+}
+
+std::vector<std::string> short_names(const std::vector<std::string> &names, Choices *choices)
+{
     std::size_t same = names.empty() ? 0 : names.front().size();
     for (const std::string &name : names) {
         std::size_t n = 0;
@@ -205,18 +223,21 @@ std::vector<std::string> short_names(const std::vector<std::string> &names)
     });
     if (names.size() < 3 || is_number) same = 0;
     std::vector<std::string> made;
-    std::map<std::string, int> used;
+    BranchNames used;
+    std::string cut;
     for (const std::string &name : names) {
         std::string plain;
         for (char c : lower(name.substr(same)))
             plain += (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ? c : '_';
         while (!plain.empty() && plain.front() == '_') plain.erase(0, 1);
-        plain.resize(std::min(plain.size(), letters_max));
-        while (!plain.empty() && plain.back() == '_') plain.pop_back();
-        if (plain.empty()) plain = "vessel";
-        const int number = ++used[plain];
-        made.push_back(number > 1 ? plain + "_" + std::to_string(number) : plain);
+        made.push_back(used.add(plain));
+        if (plain.size() >= CRN_SCENE_BRANCH_NAME_BYTES)
+            cut += (cut.empty() ? "" : ", ") + made.back() + " for " + name;
     }
+    if (choices && !cut.empty())
+        choices->add("cut", cut,
+                     formatted("a branch's name has at most %d letters", CRN_SCENE_BRANCH_NAME_BYTES - 1),
+                     "tree.csv may be changed");
     return made;
 }
 

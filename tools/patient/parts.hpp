@@ -3,6 +3,8 @@
 #include "tools/bake/mesh.hpp"
 #include "tools/patient/choices.hpp"
 
+#include <set>
+
 namespace crn::patient
 {
 
@@ -32,8 +34,19 @@ std::vector<Part> read_parts(const PartsWish &wish, Choices &choices, Frame &fra
 // The turn of axes that a text such as "+x,+z,-y" states. Throws UsageError.
 Eigen::Matrix3d axes_of(const std::string &text);
 
-// Names without what all begin with ("VH_M_"), in small letters, at most 27 letters long, each name once.
-std::vector<std::string> short_names(const std::vector<std::string> &names);
+// Gives branches names as a scene can store them: at most 31 letters, and each name once.
+class BranchNames
+{
+  public:
+    std::string add(std::string wanted); // the name, cut or with a number where that is needed
+
+  private:
+    std::set<std::string> used_;
+};
+
+// Names without what all begin with ("VH_M_"), in small letters, as BranchNames gives them. The choices say
+// which names are cut.
+std::vector<std::string> short_names(const std::vector<std::string> &names, Choices *choices = nullptr);
 
 // Whether a part's name is that of an artery of the body's circulation; veins and pulmonary arteries are not.
 bool is_artery_name(const std::string &name);

@@ -10,6 +10,7 @@
 #include "tools/centreline/formats.hpp"
 #include "tools/patient/coronary.hpp"
 #include "tools/patient/naming.hpp"
+#include "tools/patient/practice.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -68,7 +69,7 @@ using NameAt = std::function<std::string(const Vector3d &)>;
 void name_by_places(Tree &tree, const NameAt &name_at)
 {
     constexpr std::size_t samples = 40;
-    std::map<std::string, int> used;
+    BranchNames used;
     for (std::size_t b = 0; b < tree.branches.size(); ++b) {
         Branch &branch = tree.branches[b];
         const std::size_t first = std::min(centreline::first_own_sphere(tree, b), branch.spheres.size() - 1);
@@ -82,16 +83,15 @@ void name_by_places(Tree &tree, const NameAt &name_at)
         int most = 0;
         for (const auto &[name, count] : votes)
             if (count > most) best = name, most = count;
-        const int number = ++used[best];
-        branch.name = number > 1 ? best + "_" + std::to_string(number) : best;
+        branch.name = used.add(best);
     }
 }
 
-void name_by_parts(Tree &tree, const std::vector<Part> &parts, const WholeLumen &lumen)
+void name_by_parts(Tree &tree, const std::vector<Part> &parts, const WholeLumen &lumen, Choices &choices)
 {
     std::vector<std::string> names;
     for (const Part &part : parts) names.push_back(part.name);
-    names = short_names(names);
+    names = short_names(names, &choices);
     const PartFinder finder(lumen);
     name_by_places(tree, [&](const Vector3d &place_mm) { return names[finder.at(place_mm)]; });
 }
@@ -122,7 +122,7 @@ void name_tree(Tree &tree, const std::vector<Part> &parts, const WholeLumen &lum
     } else if (names == "parts" && wish.structure_at) {
         name_by_places(tree, wish.structure_at);
     } else if (names == "parts") {
-        name_by_parts(tree, parts, lumen);
+        name_by_parts(tree, parts, lumen, choices);
     } else {
         for (std::size_t b = 0; b < tree.branches.size(); ++b)
             tree.branches[b].name = "branch_" + std::to_string(b + 1);
@@ -351,77 +351,6 @@ std::string scene_text(const SceneWish &wish, const Frame &frame, const Tree &tr
     return text + bodies_text(wish, frame);
 }
 
-// The length of the vessels from the entry to the farthest end.
-double reach_mm(const Tree &tree, const TreeEnd &end)
-{
-    // Distances of every branch's end from the root, and the shared way with the entry's end.
-    std::vector<double> from_root(tree.branches.size(), 0);
-    for (std::size_t b = 0; b < tree.branches.size(); ++b) {
-        const Branch &branch = tree.branches[b];
-        from_root[b] = centreline::length_mm(branch) +
-                       (branch.parent >= 0 ? from_root[static_cast<std::size_t>(branch.parent)] : 0);
-    }
-    if (end.is_root) return *std::max_element(from_root.begin(), from_root.end());
-    const auto line_of = [&](std::size_t branch) {
-        std::vector<int> line;
-        for (int b = static_cast<int>(branch); b >= 0; b = tree.branches[static_cast<std::size_t>(b)].parent)
-            line.push_back(b);
-        return line;
-    };
-    const std::vector<int> own = line_of(end.branch);
-    double best = from_root[end.branch];
-    for (const TreeEnd &other : ends_of(tree)) {
-        if (other.is_root || other.branch == end.branch) continue;
-        double shared = 0;
-        for (const int b : line_of(other.branch))
-            if (std::find(own.begin(), own.end(), b) != own.end()) {
-                shared = from_root[static_cast<std::size_t>(b)];
-                break;
-            }
-        best = std::max(best, from_root[end.branch] + from_root[other.branch] - 2 * shared);
-    }
-    return best;
-}
-
-// A session that shows the vessel: a guidewire that fits goes on from the entry, a catheter follows it, the
-// wire is withdrawn, and contrast medium is injected during a DSA run. Its frame with the medium stays on the
-// screen.
-std::string session_text(const SceneWish &wish, const Tree &tree, const TreeEnd &end, Choices &choices)
-{
-    constexpr double wide_mm = 2.0; // a J of 3 mm opens in it
-    constexpr double trunk_mm = 6.0, behind_mm = 20.0;
-    const bool is_wide = end.radius_mm >= wide_mm;
-    const std::string wire = is_wide ? "j_wire" : "coronary_014",
-                      catheter = is_wide ? "terumo_5f" : "terumo_4f";
-    const double far_mm =
-        std::clamp(std::floor(0.5 * (reach_mm(tree, end) - entry_mm) / 10) * 10, 10.0, 150.0);
-    const double catheter_mm = std::max(far_mm - behind_mm, 5.0);
-    const int field = std::clamp(static_cast<int>(far_mm / 10) + 12, 16, 32);
-    double widest_mm = 0.0; // blood dilutes the medium: a trunk needs more
-    for (const Branch &branch : tree.branches)
-        widest_mm = std::max(widest_mm, branch.spheres[branch.spheres.size() / 2].radius_mm);
-    const std::string injection = widest_mm >= trunk_mm ? "20 ml at 15 ml/s"
-                                  : is_wide             ? "10 ml at 6 ml/s"
-                                                        : "5 ml at 3 ml/s";
-    choices.add("session",
-                formatted("%s, advanced by %.0f mm; %s behind it; DSA with %s", wire.c_str(), far_mm,
-                          catheter.c_str(), injection.c_str()),
-                "half of the way to the farthest end, at most 150 mm", "practice.session may be changed");
-    return formatted(
-        "# A %s goes from the entry into the vessel, and a catheter follows it. Then contrast medium shows "
-        "the\n"
-        "# vessels. Made by `cournand patient new`; it may be changed.\n"
-        "needs scene %s\nneeds tools %s, %s\nfluoro on\nfollow tip\nfield %d cm\nwait 0.7 s\n"
-        "advance wire %.0f mm at 30 mm/s in strokes of 50 mm\nwait 0.5 s\nexpect inserted at least %.0f mm\n"
-        "follow off\nadvance catheter %.0f mm at 30 mm/s in strokes of 50 mm\n"
-        "withdraw wire until inserted 0 mm at 50 mm/s\naspirate 3 ml\nfluoro off\nwait 0.5 s\n"
-        "# The first frame is the mask: medium comes after it.\n"
-        "dsa on rate 6 f/s\nwait 0.7 s\ninject %s\nwait 3 s\ndsa off\nreview run 1 frame 11\nwait 0.2 s\n",
-        is_wide ? "J wire" : "coronary wire",
-        fs::absolute(wish.folder / "patient.scene").lexically_normal().c_str(), wire.c_str(),
-        catheter.c_str(), field, far_mm, 0.9 * far_mm, catheter_mm, injection.c_str());
-}
-
 } // namespace
 
 void make_scene_folder(const std::vector<Part> &parts, const Frame &frame, const SceneWish &wish,
@@ -444,6 +373,7 @@ void make_scene_folder(const std::vector<Part> &parts, const Frame &frame, const
     Tree tree = centreline::fit_automatic(inside, automatic, notes, progress);
     for (Branch &branch : tree.branches)
         for (Sphere &sphere : branch.spheres) sphere.radius_mm = std::max(sphere.radius_mm, 0.1);
+    widen_closed_ends(tree);
     const Sphere &inlet = tree.branches.front().spheres.front();
     const double inlet_mm = tree.branches.front().spheres[tree.branches.front().spheres.size() / 2].radius_mm;
     choices.add("inlet",
@@ -468,7 +398,8 @@ void make_scene_folder(const std::vector<Part> &parts, const Frame &frame, const
                                 : "none",
                 "an elliptic cylinder of soft tissue around the vessels",
                 "--no-bodies, --body MATERIAL:FILE");
-    const std::string session = session_text(wish, tree, end, choices);
+    const std::string session =
+        practice_session(wish.folder / "patient.scene", tree, end, entry.inside_mm, choices);
     fs::create_directories(wish.folder);
     bake::write_ply(lumen.closed, wish.folder / "lumen.ply");
     centreline::write_tree(wish.folder / "tree.csv", tree);

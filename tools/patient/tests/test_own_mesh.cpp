@@ -278,12 +278,32 @@ void names_are_short_and_unique(void **)
     assert_string_equal(names[0].c_str(), "aortic_arch");
     assert_string_equal(names[1].c_str(), "left_renal");
     assert_string_equal(names[2].c_str(), "aortic_arch_2");
-    assert_true(names[3].size() <= 27);
+    assert_true(names[3].size() <= 31);
     assert_true(is_artery_name("VH_M_left_renal_artery"));
     assert_true(is_artery_name("VHF_posterior_left_ventricular_branch"));
     assert_false(is_artery_name("VH_M_pulmonary_artery_L"));
     assert_false(is_artery_name("VHF_posterior_vein_of_left_ventricle"));
     assert_false(is_artery_name("VH_M_left_cardiac_atrium"));
+}
+
+// A scene stores 31 letters, which the usual names of coronary arteries need.
+void long_names_stay_whole_or_are_said_to_be_cut(void **)
+{
+    Choices choices;
+    const std::vector<std::string> names = short_names(
+        {"VH_M_left_anterior_descending_artery", "VH_M_diagonal_branch_of_left_anterior_descending",
+         "VH_M_diagonal_branch_of_left_anterior_interventricular", "VH_M_lad", "VH_M_lad", "VH_M_lad_2"},
+        &choices);
+    assert_string_equal(names[0].c_str(), "left_anterior_descending_artery");
+    for (std::size_t a = 0; a < names.size(); ++a) {
+        assert_true(names[a].size() <= 31);
+        for (std::size_t b = 0; b < a; ++b) assert_string_not_equal(names[a].c_str(), names[b].c_str());
+    }
+    const std::string said = choices.text("");
+    contains(said,
+             "cut       diagonal_branch_of_left_anterio for VH_M_diagonal_branch_of_left_anterior_desc");
+    contains(said, "at most 31 letters");
+    assert_true(said.find("left_anterior_descending_artery for") == said.npos);
 }
 
 // --- the whole folder ---
@@ -413,6 +433,7 @@ int main()
                                 cmocka_unit_test(a_part_that_is_there_twice_counts_once),
                                 cmocka_unit_test(the_head_of_a_scan_is_found),
                                 cmocka_unit_test(names_are_short_and_unique),
+                                cmocka_unit_test(long_names_stay_whole_or_are_said_to_be_cut),
                                 cmocka_unit_test(a_bent_tube_becomes_a_scene),
                                 cmocka_unit_test(a_fork_enters_at_its_lowest_wide_end),
                                 cmocka_unit_test(a_thin_vessel_in_a_large_box_becomes_a_scene),

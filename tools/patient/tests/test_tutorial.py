@@ -227,9 +227,11 @@ def check_page(report):
 def check_real(report):
     """Anatomies of the same kind that the page does not show."""
     heart, female = "hra/VH_M_Blood_Vasculature_Heart.glb", "hra_female/VH_F_Blood_Vasculature_Heart.glb"
+    gut = "hra/VH_M_Blood_Vasculature_Large_Intestine.glb"
     cases = (
         ("a single real vessel", heart, ("--part", "VH_M_descending_aorta_a")),
         ("a real arch of walls", female, ("--part", "VH_F_aortic_arch", "--part", "VH_F_ascending_aorta")),
+        ("a tree of thin and winding arteries", gut, ()),
     )
     with tempfile.TemporaryDirectory() as folder:
         for name, file, more in cases:

@@ -78,7 +78,7 @@ VesselLabels read_vessel_labels(const LabelWish &wish, patient::Choices &choices
     std::vector<std::string> names;
     for (const int number : chosen)
         names.push_back(map.names.count(number) ? map.names[number] : "label_" + std::to_string(number));
-    names = patient::short_names(names);
+    names = patient::short_names(names, &choices);
     std::string list;
     for (std::size_t n = 0; n < chosen.size(); ++n) {
         vessels.names[chosen[n]] = names[n];
