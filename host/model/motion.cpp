@@ -13,16 +13,30 @@ namespace
 constexpr double q30 = 0x1p-30;
 constexpr double unit_m = 0x1p-19; // of a coefficient: 2^11 / 2^30
 constexpr std::size_t row_numbers = CRN_SCENE_MOTION_ROW;
+constexpr int rounds = 20;                         // of the prefilter
 constexpr std::size_t kept = motion_keyframes + 2; // keyframes stored for a moved vertex: 23, 0 .. 23, 0
 
 } // namespace
 
 void motion_prefilter(const double *w, double *c)
 {
-    constexpr int n = motion_keyframes, rounds = 20;
+    constexpr int n = motion_keyframes;
     std::copy_n(w, n, c);
     for (int round = 0; round < rounds; ++round)
         for (int k = 0; k < n; ++k) c[k] = (8 * w[k] - c[(k + n - 1) % n] - c[(k + 1) % n]) / 6;
+}
+
+MotionWays motion_prefilter(const MotionWays &w)
+{
+    constexpr int n = motion_keyframes;
+    MotionWays c = w;
+    for (int round = 0; round < rounds; ++round)
+        for (int k = 0; k < n; ++k) {
+            const auto &before = c[(k + n - 1) % n], &after = c[(k + 1) % n];
+            for (int way = 0; way < motion_ways; ++way)
+                c[k][way] = (8 * w[k][way] - before[way] - after[way]) / 6;
+        }
+    return c;
 }
 
 MotionWeights motion_weights(const MotionMoment &moment)
@@ -174,7 +188,7 @@ MovingPoints::MovingPoints(const Motion &motion, std::vector<Eigen::Vector3d> re
     ways_um_.resize(kept * parts() * 3 * size());
     for (std::size_t point = 0; point < size(); ++point) {
         const Eigen::Vector3d &X_m = reference_m_[point];
-        double way_um[6][motion_keyframes], c[motion_keyframes];
+        MotionWays way_um;
         bool moves = false;
         for (int key = 0; key < motion_keyframes; ++key) {
             MotionMoment moment;
@@ -184,17 +198,17 @@ MovingPoints::MovingPoints(const Motion &motion, std::vector<Eigen::Vector3d> re
             const Eigen::Vector3d inhaled = breathes_ ? motion.push(X_m, moment) : rest;
             moves = moves || rest != X_m || inhaled != X_m;
             for (int k = 0; k < 3; ++k) {
-                way_um[k][key] = (rest[k] - X_m[k]) * 1e6;
-                way_um[3 + k][key] = (inhaled[k] - rest[k]) * 1e6;
+                way_um[key][k] = (rest[k] - X_m[k]) * 1e6;
+                way_um[key][3 + k] = (inhaled[k] - rest[k]) * 1e6;
             }
         }
         moves_.push_back(moves);
-        for (std::size_t column = 0; column < 3 * parts(); ++column) {
-            motion_prefilter(way_um[column], c);
+        if (!moves) continue; // its ways are 0 already
+        const MotionWays c = motion_prefilter(way_um);
+        for (std::size_t column = 0; column < 3 * parts(); ++column)
             for (std::size_t i = 0; i < kept; ++i)
                 ways_um_[plane(i, column / 3) + 3 * point + column % 3] =
-                    static_cast<float>(c[(i + motion_keyframes - 1) % motion_keyframes]);
-        }
+                    static_cast<float>(c[(i + motion_keyframes - 1) % motion_keyframes][column]);
     }
 }
 

@@ -43,6 +43,12 @@ MotionWeights motion_weights(const MotionMoment &moment);
 // = w[k]. Each of the 20 Gauss-Seidel rounds reduces the error by a factor of 9.
 void motion_prefilter(const double *w, double *c);
 
+// Does the same for six sequences at once, which takes a sixth of the time: the processor need not wait for a
+// quotient of one sequence before it begins the next. Each sequence gets the same bits as alone.
+inline constexpr int motion_ways = 6; // the three coordinates without breath, and what a full breath adds
+using MotionWays = std::array<std::array<double, motion_ways>, motion_keyframes>; // by keyframe
+MotionWays motion_prefilter(const MotionWays &w);
+
 // Returns the weight of one corner of a lattice cell (bits x, y, z of `corner`) for a position in the cell (0
 // .. 1 along each axis). The lattice's displacement is linear in each of the six tetrahedra into which a cell
 // is divided. In each tetrahedron, a path of cell edges leads from corner 0 along the axes, beginning with
