@@ -121,9 +121,8 @@ typedef struct crn_app_setup {
     uint32_t inserted_um[CRN_TOOL_MAX];
     uint32_t inserted_count; /* lengths that came with the entry */
     crn_lumen lumen;
-    crn_motion motion;                   /* of the lumen, when it moves */
-    crn_lesion lesions[CRN_LESION_MAX];  /* of the lumen, that can yield */
-    crn_instrument tools[CRN_TABLE_MAX]; /* the table */
+    crn_motion motion;                  /* of the lumen, when it moves */
+    crn_lesion lesions[CRN_LESION_MAX]; /* of the lumen, that can yield */
 } crn_app_setup;
 
 /* Holds the state of one session, except the states of the core, the hands and the haptics. */

@@ -21,7 +21,7 @@ static bool lengths_fit(crn_app *app)
     for (uint32_t k = 0; k < app->setup.tool_count; k++) {
         if (app->setup.line[k] == 0) continue;
         const uint32_t number = app->setup.line[k] - 1;
-        const crn_instrument *tool = &app->setup.tools[number];
+        const crn_instrument *tool = &app->port->tool_table[number];
         uint32_t length_um = tool->knots[tool->knot_count - 1].arc_um;
         if (app->setup.inserted_um[k] <= length_um) continue;
         crn_app_reject(app, CRN_WIRE_TYPE_command, CRN_REJECT_LENGTH_INSERTED, number, length_um);

@@ -174,6 +174,12 @@ static void tool_from_wire(const crn_wire_instrument *wire, crn_instrument *tool
         .element_fine_um = wire->element_fine_um,
         .whole_um = wire->whole_um,
         .rail_um = wire->rail_um,
+        .material = {.kind = wire->material_kind,
+                     .yield_strain_micro = wire->yield_strain_micro,
+                     .core_modulus_MPa = wire->core_modulus_MPa,
+                     .hardening_milli = wire->hardening_milli,
+                     .unload_milli = wire->unload_milli,
+                     .limit_milli = wire->limit_milli},
     };
     for (uint16_t i = 0; i < wire->knots_count; i++) tool->knots[i] = knot_from_wire(&wire->knots[i]);
     tool->balloon = (crn_balloon){
@@ -244,7 +250,7 @@ void crn_app_tools(crn_app *app, const uint8_t *payload, size_t length)
         crn_app_reject_build(app, type, status, &place);
         return;
     }
-    for (uint16_t k = 0; k < wire->tools_count; k++) app->setup.tools[k] = candidates[k];
+    for (uint16_t k = 0; k < wire->tools_count; k++) app->port->tool_table[k] = candidates[k];
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) app->setup.line[k] = line[k];
     app->setup.table_count = wire->tools_count;
     app->setup.tool_count = line_count;
@@ -258,7 +264,7 @@ crn_build_status crn_app_build(crn_app *app, const crn_lumen *lumen, const crn_e
                                crn_build_place *place)
 {
     const crn_app_setup *setup = &app->setup;
-    return crn_model_build_table(&app->model, setup->tools, setup->table_count, setup->line,
+    return crn_model_build_table(&app->model, app->port->tool_table, setup->table_count, setup->line,
                                  setup->tool_count, lumen, entry, place);
 }
 

@@ -10,7 +10,7 @@
  */
 #include "firmware/app/app_internal.h"
 
-enum { SNAPSHOT_VERSION = 4 };
+enum { SNAPSHOT_VERSION = 5 };
 
 /* While a snapshot is sent or received, its bytes lie in the core's scratch memory, which holds nothing that
  * a later tick needs. If a tick runs while a snapshot is received, the snapshot's CRC no longer matches. */

@@ -12,7 +12,7 @@ enum { SESSIONS = 17, SESSION_TICKS = 20000 };
 
 static double run_hands(const bench_case *self)
 {
-    reference_hands_result r = {0, 0, 0, 0, 0};
+    reference_hands_result r = {0};
     for (uint32_t i = 0; i < SESSIONS; i++) {
         reference_random_hands((uint32_t)self->argument, 3 * i + (uint32_t)self->argument - 1, SESSION_TICKS,
                                &r);

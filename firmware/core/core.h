@@ -34,6 +34,7 @@ enum {
     CRN_STRUT_RING_MAX = 64, /* of all stents */
     CRN_TICK_us = 1000,
     CRN_BLOOD_kg_m3 = 1060,
+    CRN_SET_CELL_MAX = 160, /* cells of a tool, from its tip, that may yield */
 };
 
 /* A knot gives the properties of an instrument at one arc length. Between knots, properties are interpolated
@@ -54,6 +55,28 @@ typedef struct crn_knot {
     int32_t rest_curvature1_per_m_milli;
     int32_t rest_curvature2_per_m_milli; /* turning towards d2 */
 } crn_knot;
+
+/* What happens beyond the yield curvature (rod_set.c). */
+typedef enum crn_material_kind {
+    CRN_ELASTIC = 0,      /* nothing: the moment grows as before */
+    CRN_PLASTIC = 1,      /* a metal: a part of the bend stays */
+    CRN_SUPERELASTIC = 2, /* nitinol: the moment hardly grows, and on the way back it is lower */
+} crn_material_kind;
+
+/* For an elastic tool, all numbers are 0. */
+typedef struct crn_material {
+    uint32_t kind;
+    /* Strain of the core's surface at which the material yields or begins to transform, 1e-6: 500 .. 50 000.
+     * The core's radius follows from EI and Young's modulus, as that of a solid round wire: r = (4 EI / (pi
+     * E))^(1/4). The curvature at yield is the strain divided by this radius. */
+    uint32_t yield_strain_micro;
+    uint32_t core_modulus_MPa; /* E: 1 000 .. 300 000 */
+    uint32_t hardening_milli;  /* slope of the moment beyond the yield, as a part of EI: 0 .. 900 */
+    uint32_t unload_milli; /* superelastic: height of the plateau on the way back, as a part of that of the
+                              way out: 0 .. 950; else 0 */
+    uint32_t limit_milli;  /* superelastic: largest transformed curvature over the yield curvature, 100 ..
+                              20 000; else 0 */
+} crn_material;
 
 /* A balloon on a tool. Only one of the nested tools may have a balloon. The balloon's table gives the
  * diameter of the unconfined balloon at each pressure. */
@@ -79,6 +102,7 @@ typedef struct crn_instrument {
     uint32_t whole_um; /* length of the real tool from tip to end, at most 4 m; the knots may describe less */
     uint32_t rail_um;  /* part, from the tip, that runs over a wire; 0: all of it (over the wire) */
     crn_balloon balloon;
+    crn_material material;
 } crn_instrument; /* a line takes the finest tip and shaft and the longest fine part of its tools */
 
 /* The tools enter through an introducer sheath (`inserter` in names) that ends inside the lumen. */

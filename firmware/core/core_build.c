@@ -133,6 +133,22 @@ static void knot_values(const crn_knot *knot, int32_t added_kg_m3, int32_t value
     values[CRN_STATIC_Q30] = scaled(knot->friction_static_milli, CRN_ONE_Q30, 1000u);
 }
 
+static crn_material_law law_of(const crn_material *material)
+{
+    crn_material_law law = {material->kind, 0, 0, 0, 0, 0};
+    /* pi / 2 E in Pa is below 2^39; its root in Q11, and the root of that in Q20 */
+    const uint64_t stiffness_Pa = (uint64_t)material->core_modulus_MPa * 1570796u;
+    const int32_t root_q11 = crn_root_of(stiffness_Pa << 22);
+    const int32_t fourth_root_q20 = crn_root_of((uint64_t)(uint32_t)root_q11 << 29);
+    law.yield_q20 = scaled(material->yield_strain_micro, (uint64_t)(uint32_t)fourth_root_q20, 1000000u);
+    const uint32_t left_milli = 1000u - material->hardening_milli; /* 100 .. 1000 */
+    law.slope_q24 = scaled(material->hardening_milli, 1u << 24, left_milli);
+    law.follow_q30 = scaled(left_milli, CRN_ONE_Q30, 1000u);
+    law.unload_q30 = scaled(material->unload_milli, CRN_ONE_Q30, 1000u);
+    law.limit_q20 = scaled(material->limit_milli, 1u << 20, 1000u);
+    return law;
+}
+
 static void build_span(crn_span *span, const crn_knot *a, const crn_knot *b, int32_t added_kg_m3)
 {
     int32_t to[CRN_PROPERTY_COUNT];
@@ -176,6 +192,7 @@ static void build_tool(crn_model *model, uint32_t number, const crn_instrument *
         }
     }
     tool->length_m_q30 = tool->spans[tool->span_count - 1].end_m_q30;
+    tool->material = law_of(&instrument->material);
     tool->lumen_friction_q30 = scaled(instrument->lumen_friction_milli, CRN_ONE_Q30, 1000u);
     tool->shaft_radius_m_q30 =
         micrometres_to_q30(instrument->knots[instrument->knot_count - 1].radius_outer_um);
@@ -494,8 +511,6 @@ crn_build_status crn_model_build_table(crn_model *model, const crn_instrument *t
     build_base_axes(model);
     for (uint32_t k = 0; k < line_count; k++) {
         model->line[k] = line[k];
-        model->tools[k] =
-            model->table[0].tool; /* a free position has some tool, of which no length is in use */
         crn_exchange_put(model, k, line[k]);
     }
     crn_model_set_gravity(model, 0, 0, -9810);

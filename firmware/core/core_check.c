@@ -22,6 +22,21 @@ static bool knot_in_range(const crn_knot *k)
            curvature_in_range(k->rest_curvature2_per_m_milli);
 }
 
+static bool material_in_range(const crn_material *m)
+{
+    if (m->kind == CRN_ELASTIC) {
+        return (m->yield_strain_micro | m->core_modulus_MPa | m->hardening_milli | m->unload_milli |
+                m->limit_milli) == 0;
+    }
+    const bool has_yield = in_range(m->yield_strain_micro, 500, 50000) &&
+                           in_range(m->core_modulus_MPa, 1000, 300000) && m->hardening_milli <= 900;
+    if (m->kind == CRN_PLASTIC) {
+        return has_yield && m->unload_milli == 0 && m->limit_milli == 0;
+    }
+    return m->kind == CRN_SUPERELASTIC && has_yield && m->unload_milli <= 950 &&
+           in_range(m->limit_milli, 100, 20000);
+}
+
 static crn_build_status check_knots(const crn_instrument *tool, crn_build_place *place)
 {
     if (!in_range(tool->knot_count, 2, CRN_KNOT_MAX) || tool->knots[0].arc_um != 0) {
@@ -50,6 +65,9 @@ static crn_build_status check_tool(const crn_instrument *tool, crn_build_place *
         return status;
     }
     if (!in_range(tool->axial_stiffness_max_N, 100, 10000) || tool->lumen_friction_milli > 1000) {
+        return CRN_BUILD_RANGE;
+    }
+    if (!material_in_range(&tool->material)) {
         return CRN_BUILD_RANGE;
     }
     if (tool->whole_um > CRN_WHOLE_MAX_um || tool->rail_um > CRN_WHOLE_MAX_um) {

@@ -86,7 +86,17 @@ typedef struct crn_span {
     int32_t delta[CRN_PROPERTY_COUNT];
 } crn_span;
 
+/* crn_material, ready for a tick. */
+typedef struct crn_material_law {
+    uint32_t kind;      /* CRN_ELASTIC .. */
+    int32_t yield_q20;  /* strain at yield times (pi E / 2)^(1/4), E in Pa */
+    int32_t slope_q24;  /* g = h / (1 - h), h: hardening; at most 9 */
+    int32_t follow_q30; /* 1 / (1 + g) */
+    int32_t unload_q30, limit_q20;
+} crn_material_law;
+
 typedef struct crn_tool {
+    crn_material_law material;
     uint32_t span_count;
     int32_t length_m_q30;
     int32_t inserted_max_m_q30;
@@ -158,7 +168,7 @@ struct crn_model {
     crn_vec3 tip_load_N_q22; /* dead load on node 0, for validation */
     crn_tip_hold hold;
     crn_vec3 base_axis1_q30, base_axis2_q30; /* material axes of the inserter at hand angle 0 */
-    crn_tool tools[CRN_TOOL_MAX];            /* of the line, copies from the table */
+    uint32_t on_line[CRN_TOOL_MAX];          /* the table's tool at each position; of a free one, any */
     crn_balloon_model balloon;               /* of the line */
     crn_mesh_node mesh[CRN_ARRAY_NODES];
     crn_table_tool table[CRN_TABLE_MAX];
@@ -166,6 +176,12 @@ struct crn_model {
     bool has_lanes; /* this processor computes with lanes */
 #endif
 };
+
+/* Returns the tool at a position of the line. A free position has some tool, of which no length is in use. */
+static inline const crn_tool *crn_tool_on(const crn_model *model, uint32_t position)
+{
+    return &model->table[model->on_line[position]].tool;
+}
 
 /* The function crn_model_set_tip_load, for validation cases, puts a constant force on the tip. The force is
  * given in newtons (Q22), in the patient frame, and is at most 100 N along each axis. */

@@ -5,7 +5,6 @@
  * and are not hashed. */
 #include "firmware/core/balloon.h"
 #include "firmware/core/lesion.h"
-#include "firmware/core/strut.h"
 
 enum {
     HEADER_WORDS = offsetof(crn_state_words, nodes) / 4,
@@ -13,6 +12,8 @@ enum {
     RING_WORDS = sizeof(crn_strut_ring) / 4,
     EXCHANGE_WORD = offsetof(crn_state_words, exchange) / 4,
     EXCHANGE_WORDS = sizeof(crn_exchange_state) / 4,
+    SET_WORD = offsetof(crn_state_words, set) / 4,
+    SET_WORDS = sizeof(crn_set_state) / 4,
     NODE_WORDS = sizeof(crn_node_state) / 4,
     STATE_WORDS = sizeof(crn_state_words) / 4,
     INSIDE_KEPT = 3,
@@ -54,7 +55,7 @@ static void place_tools(const crn_model *model, crn_state_words *words, const ui
     uint32_t longest = 0;
     for (uint32_t k = 0; k < model->tool_count; k++) {
         int32_t inserted = inserted_q30(inserted_um[k]);
-        int32_t most = model->tools[k].inserted_max_m_q30;
+        int32_t most = crn_tool_on(model, k)->inserted_max_m_q30;
         words->exchange.line[k] = model->line[k];
         words->tools[k].inserted_m_q30 = inserted > most ? most : inserted;
         if (model->line[k] == 0) {
@@ -224,7 +225,8 @@ static bool words_are_valid(const crn_model *model, const crn_state_words *words
 {
     uint32_t na = words->free_count;
     if (na < 4 || na + INSIDE_KEPT > model->node_count || !crn_exchange_is_valid(model, words) ||
-        !tools_are_valid(model, words) || !crn_rhythm_is_valid(&words->rhythm) ||
+        !crn_set_is_valid(model, words) || !tools_are_valid(model, words) ||
+        !crn_rhythm_is_valid(&words->rhythm) ||
         !crn_balloon_is_valid(crn_exchange_balls(model, words), &words->balloon) ||
         !crn_lesion_is_valid(model->lumen, &words->lesions) || !crn_struts_are_valid(&words->struts)) {
         return false;
@@ -286,14 +288,15 @@ typedef struct hashed_range {
     size_t first, end;
 } hashed_range;
 
-enum { RANGES = 3 };
+enum { RANGES = 4 };
 
 static void hashed_words(const crn_state_words *words, hashed_range ranges[RANGES])
 {
     const size_t exchanged = words->exchange.count != 0 ? EXCHANGE_WORDS : 0;
     ranges[0] = (hashed_range){0, RINGS_WORD + (size_t)RING_WORDS * words->struts.used};
     ranges[1] = (hashed_range){EXCHANGE_WORD, EXCHANGE_WORD + exchanged};
-    ranges[2] = (hashed_range){HEADER_WORDS, live_words(words)};
+    ranges[2] = (hashed_range){SET_WORD, SET_WORD + (words->set.used_bits != 0 ? (size_t)SET_WORDS : 0)};
+    ranges[3] = (hashed_range){HEADER_WORDS, live_words(words)};
 }
 
 /* The hash lanes are two 32-bit polynomials, one over the even words and one over the odd words: the sum of
@@ -375,10 +378,11 @@ void crn_state_hash_lanes(const crn_state *state, uint32_t lane[2])
     hashed_words(&state->words, ranges);
     uint32_t sums[2] = {2166136261u, 3405691582u};
     add_to_lanes(words, ranges[0].end, sums);
-    if (ranges[1].end > ranges[1].first) {
-        add_to_lanes(words + ranges[1].first, ranges[1].end - ranges[1].first, sums);
+    for (int r = 1; r < RANGES; r++) {
+        if (ranges[r].end > ranges[r].first) {
+            add_to_lanes(words + ranges[r].first, ranges[r].end - ranges[r].first, sums);
+        }
     }
-    add_to_lanes(words + ranges[2].first, ranges[2].end - ranges[2].first, sums);
     lane[0] = sums[0] ^ (sums[0] >> 15);
     lane[1] = sums[1] ^ (sums[1] >> 15);
 }

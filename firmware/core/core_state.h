@@ -3,7 +3,8 @@
  * Besides the saved words, the state contains two work areas, so that the core needs neither a heap nor a
  * large stack. `voxels` remembers samples of the distance field. `crn_line` holds the combined properties of
  * all tools at their present positions. The combined properties are derived from the state's words and the
- * model, and stay unchanged while no tool slides against another. `crn_scratch` is dead between ticks. */
+ * model. They stay unchanged while no tool slides against another, except the sets of tools that yield, which
+ * every tick puts in anew (rod_set.c). `crn_scratch` is dead between ticks. */
 #ifndef CRN_CORE_STATE_H
 #define CRN_CORE_STATE_H
 
@@ -84,6 +85,17 @@ typedef struct crn_exchange_state {
     uint32_t burst_bits; /* bit i: the balloon of tool i + 1, which was taken off the line, has burst */
 } crn_exchange_state;
 
+/* The part of a cell's bend that does not spring back, as a rest rotation towards d1 and d2 (rod_set.c). With
+ * half of the bits, the small steps of a tick would be lost in the direction that takes the smaller ones. */
+typedef struct crn_set {
+    int32_t turn_q29[2];
+} crn_set;
+
+typedef struct crn_set_state {
+    uint32_t used_bits; /* bit k: a cell of tool k has a set; without any, the sets do not enter a hash */
+    crn_set cells[CRN_TOOL_MAX][CRN_SET_CELL_MAX];
+} crn_set_state;
+
 typedef struct crn_state_words {
     uint32_t tick;
     uint32_t fault_bits;
@@ -104,6 +116,7 @@ typedef struct crn_state_words {
     crn_tool_state tools[CRN_TOOL_MAX];
     crn_strut_state struts;
     crn_exchange_state exchange;
+    crn_set_state set;
     crn_node_state nodes[CRN_ARRAY_NODES];
 } crn_state_words;
 
@@ -114,8 +127,9 @@ typedef struct crn_joint {
     int32_t twist_N_m_q26[CRN_TOOL_MAX]; /* the same with a tool's GJ; 0 where the tool is absent */
     int32_t turn1_q30[CRN_TOOL_MAX]; /* a tool's part of the cell's rest turning, towards its d1, radians */
     int32_t turn2_q30[CRN_TOOL_MAX];
+    int16_t set_q14[CRN_TOOL_MAX][2];       /* a tool's part of its set, as turn1 and turn2 */
     uint16_t inner_share_q15[CRN_PAIR_MAX]; /* share of the tools 0 .. k in the bending stiffness */
-    uint32_t curved;                        /* bit k: turn1 or turn2 of tool k is not 0 */
+    uint32_t curved; /* bit k: turn1, turn2 or the set of tool k is not 0, or a set may begin in this tick */
 } crn_joint;
 
 typedef struct crn_line_node {

@@ -2,7 +2,6 @@
 #include "firmware/core/balloon.h"
 #include "firmware/core/lesion.h"
 #include "firmware/core/near/near.h"
-#include "firmware/core/strut.h"
 
 /* Returns, in Q33 m, the largest component of any node's deviation. A node's deviation is measured from the
  * position that the node would have if the tools only slid along their centreline. */
@@ -148,6 +147,7 @@ void crn_step(const crn_model *model, crn_state *state, const crn_input *input, 
     }
     crn_rod_feed(model, state, input);
     crn_rod_stretch(model, state);
+    crn_set_mark(model, state);
     crn_contact_find(model, state);
     crn_balloon_find(model, state, input->inflator_Pa);
     crn_lesions_give_way(model, state);
@@ -155,6 +155,7 @@ void crn_step(const crn_model *model, crn_state *state, const crn_input *input, 
     crn_tools_grip(model, state);
     crn_rod_twist(model, state);
     crn_tools_turned(model, state);
+    crn_set_follow(model, state);
     crn_rod_bend(model, state);
     crn_tools_handles(model, state);
     crn_contact_forces(model, state);

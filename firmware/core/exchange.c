@@ -15,7 +15,7 @@ void crn_exchange_put(crn_model *model, uint32_t position, uint32_t number)
         return;
     }
     const crn_table_tool *tool = &model->table[number - 1];
-    model->tools[position] = tool->tool;
+    model->on_line[position] = number - 1;
     if (tool->balloon.ball_count > 0) {
         model->balloon = tool->balloon;
         model->balloon.tool = position;
@@ -260,6 +260,7 @@ static void forget_tool(const crn_model *model, crn_state_words *words, uint32_t
             node->grip_q30[position] = 0;
         }
     }
+    crn_set_forget(words, position);
     if (model->balloon.ball_count > 0 && model->balloon.tool == position) {
         if ((words->balloon.bits & CRN_BALLOON_BURST) != 0) {
             words->exchange.burst_bits |= 1u << (words->exchange.line[position] - 1);

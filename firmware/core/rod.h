@@ -329,6 +329,27 @@ void crn_rod_twist(const crn_model *model, crn_state *state);
 void crn_bending_moments(crn_state *state);
 int32_t crn_mouth_axial(const crn_model *model, const crn_state *state);
 
+/* These functions follow what a bend leaves in a tool (rod_set.c). The function crn_set_apply puts the sets
+ * into the joints of this tick; crn_set_mark marks joints whose material axes are needed because a set may
+ * begin there; crn_set_follow changes the sets, once the axes are known. The function crn_set_forget clears
+ * the sets of a position whose tool leaves the line. */
+void crn_set_apply(const crn_model *model, crn_state *state);
+void crn_set_mark(const crn_model *model, crn_state *state);
+void crn_set_follow(const crn_model *model, crn_state *state);
+/* Returns the curvatures towards d1 and d2 of the set of tool k at its own arc length, Q20 1/m. */
+void crn_set_curvature(const crn_model *model, const crn_state_words *words, uint32_t k, int32_t arc_m_q30,
+                       int32_t per_m_q20[2]);
+void crn_set_forget(crn_state_words *words, uint32_t position);
+bool crn_set_is_valid(const crn_model *model, const crn_state_words *words);
+
+/* The rotation of the rest shape and of the set together, limited to that of the largest rest shape. */
+static inline int32_t crn_rest_and_set(int32_t rest_q30, int32_t set_q14)
+{
+    enum { MOST_Q30 = 1475000000 };
+    return set_q14 == 0 ? rest_q30
+                        : crn_clamp(crn_add_sat(rest_q30, set_q14 * (1 << 16)), -MOST_Q30, MOST_Q30);
+}
+
 /* These functions compute the forces between tools, and the forces on the hands, except the hand that holds
  * the leading tool (rod_tools.c; crn_tools_turned: rod_twist.c). The functions run in this order:
  * crn_tools_grip (how hard tools press on each other) before the twist, crn_tools_turned after the twist,

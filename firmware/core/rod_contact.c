@@ -13,12 +13,11 @@
  * t. One friction limit mu N bounds sliding and turning together, so a wire that slides turns freely. After
  * the solve, the surface's displacement is added to the friction displacement z, up to its limit mu N / k_t.
  *
- * Stent struts (strut.h) are treated like the vessel wall. A node that touches both stent struts and vessel
+ * Stent struts (lesion.h) are treated like the vessel wall. A node that touches both stent struts and vessel
  * wall has two contacts. The matrix contains the normals of a node's two contacts. The friction displacement
  * (bristle) of the node is that of its deeper contact, and friction uses the sum of the two normal forces. */
 #include "firmware/core/lesion.h"
 #include "firmware/core/rod.h"
-#include "firmware/core/strut.h"
 
 enum {
     ROUNDING_M_Q30 = 4, /* rounding of displacements along the normal; these and the distance decide whether a

@@ -95,7 +95,7 @@ static int32_t choose_feed(const crn_model *model, crn_state *state, uint32_t k,
     }
     int32_t feed = limit_feed(model, state, k, (int32_t)lead / (1 << FOLLOW_SHIFT));
     int32_t wanted = tool->inserted_m_q30 + feed;
-    int32_t allowed = crn_clamp(wanted, CRN_WITHDRAWN_M_Q30, model->tools[k].inserted_max_m_q30);
+    int32_t allowed = crn_clamp(wanted, CRN_WITHDRAWN_M_Q30, crn_tool_on(model, k)->inserted_max_m_q30);
     if (allowed != wanted) {
         words->fault_bits |= CRN_FAULT_INSERT_END;
     }
@@ -421,6 +421,8 @@ static void clip_joint(const crn_model *model, crn_state *state, int32_t inserte
     for (uint32_t k = 0; k < model->tool_count; k++) {
         joint->turn1_q30[k] = crn_mul(joint->turn1_q30[k], share_q24, 24);
         joint->turn2_q30[k] = crn_mul(joint->turn2_q30[k], share_q24, 24);
+        joint->set_q14[k][0] = (int16_t)crn_mul(joint->set_q14[k][0], share_q24, 24);
+        joint->set_q14[k][1] = (int16_t)crn_mul(joint->set_q14[k][1], share_q24, 24);
     }
 }
 
@@ -471,6 +473,7 @@ void crn_rod_feed(const crn_model *model, crn_state *state, const crn_input *inp
     uint32_t now = count_free(model, before, inserted);
     words->free_count = now;
     crn_line_update(model, state);
+    crn_set_apply(model, state);
     uint32_t sliding = before < now ? before : now;
     uint32_t rigid = crn_tip_predict(model, state, sliding);
     slide_nodes(model, state, sliding, rigid);

@@ -195,8 +195,10 @@ void crn_rod_rest_turn(const crn_joint *joint, uint32_t tool, int32_t release_q3
                        const crn_vec3 *tangent, crn_vec3 *half)
 {
     crn_vec3 axis2 = crn_vec3_cross_unit(tangent, axis1);
-    int32_t turn1 = crn_scale_q30(joint->turn1_q30[tool], release_q30);
-    int32_t turn2 = crn_scale_q30(joint->turn2_q30[tool], release_q30);
+    int32_t turn1 =
+        crn_rest_and_set(crn_scale_q30(joint->turn1_q30[tool], release_q30), joint->set_q14[tool][0]);
+    int32_t turn2 =
+        crn_rest_and_set(crn_scale_q30(joint->turn2_q30[tool], release_q30), joint->set_q14[tool][1]);
     for (int k = 0; k < 3; k++) {
         int64_t sum = (int64_t)crn_scale_q30(turn1, axis1->v[k]) + crn_scale_q30(turn2, axis2.v[k]);
         half->v[k] = (int32_t)(sum >> 1);

@@ -14,8 +14,8 @@ enum {
     TWIST_MAX_N_m_Q26 = CRN_TWIST_MAX_N_m << 26
 }; /* limit for one joint; two of them fit a pivot (rod_twist.c) */
 
-/* Holds the state of one pass along the mesh: the span (part between two knots) of each tool at the present
- * cell. */
+/* The state of one pass along the mesh: the span (part between two knots) of each tool at the present cell.
+ */
 typedef struct walk {
     const crn_model *model;
     crn_line *line;
@@ -90,7 +90,7 @@ static void share_stiffness(const walk *w, const int32_t own_q26[CRN_TOOL_MAX], 
  * rest rotations. */
 static int32_t whole_cell(walk *w, uint32_t k, const crn_mesh_node *mesh, cell c, crn_joint *joint)
 {
-    const crn_tool *tool = &w->model->tools[k];
+    const crn_tool *tool = crn_tool_on(w->model, k);
     int32_t from = c.begin - w->line->offset_m_q30[k];
     int32_t to = c.end - w->line->offset_m_q30[k];
     seek(tool, &w->span[k], from);
@@ -124,7 +124,7 @@ static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[CRN_TOOL_M
         if (offset > from) {
             continue;
         }
-        part[k] = integrate(&w->model->tools[k], w->span[k], from - offset, to - offset);
+        part[k] = integrate(crn_tool_on(w->model, k), w->span[k], from - offset, to - offset);
         stiffness_q35[k] = crn_series_stiffness_q35(to - from, part[k].bend_q32);
         total_q35 = crn_add_sat(total_q35, stiffness_q35[k]);
     }
@@ -172,7 +172,7 @@ static void divided_cell(walk *w, cell c, crn_joint *joint)
         if (w->line->offset_m_q30[k] > c.begin) {
             /* The code uses the compliance of at least a tenth of the cell, so that a tip that has just
              * entered the cell does not make a rigid joint. */
-            int32_t tip_q35 = w->model->tools[k].spans[0].from[CRN_TWIST_N_M2_Q35];
+            int32_t tip_q35 = crn_tool_on(w->model, k)->spans[0].from[CRN_TWIST_N_M2_Q35];
             least = crn_compliance_q32((c.end - c.begin) / 10, tip_q35);
         }
         joint->twist_N_m_q26[k] = crn_inverse_of(sums[k].twist_q32 > least ? sums[k].twist_q32 : least, 58);
@@ -276,7 +276,7 @@ static void build_surface(walk *w, uint32_t i, cell c)
         if (cover == 0) {
             continue;
         }
-        const crn_tool *tool = &w->model->tools[k];
+        const crn_tool *tool = crn_tool_on(w->model, k);
         int32_t arc = c.begin + (c.end - c.begin) / 2 - w->line->offset_m_q30[k];
         uint32_t span = w->span[k];
         arc = arc < 0 ? 0 : arc;
@@ -329,7 +329,7 @@ static bool is_straight(const crn_span *s)
 static bool is_plain(walk *w, cell c)
 {
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
-        const crn_tool *tool = &w->model->tools[k];
+        const crn_tool *tool = crn_tool_on(w->model, k);
         int32_t offset = w->line->offset_m_q30[k];
         if (offset >= c.end) {
             continue;
@@ -360,10 +360,12 @@ static void build_plain(walk *w, uint32_t i, cell c)
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
         int32_t offset = w->line->offset_m_q30[k];
         node->joint.twist_N_m_q26[k] = node->joint.turn1_q30[k] = node->joint.turn2_q30[k] = 0;
+        node->joint.set_q14[k][0] = 0;
+        node->joint.set_q14[k][1] = 0;
         if (offset >= c.end) {
             continue;
         }
-        const crn_span *s = &w->model->tools[k].spans[w->span[k]];
+        const crn_span *s = &crn_tool_on(w->model, k)->spans[w->span[k]];
         int32_t fraction = s->flat ? 0 : crn_span_fraction(s, middle - offset);
         int32_t twist = crn_mul(crn_span_value(s, CRN_TWIST_N_M2_Q35, fraction), inverse, 27);
         own_q26[k] = crn_mul(crn_span_value(s, CRN_BEND_N_M2_Q35, fraction), inverse, 27);
@@ -375,7 +377,7 @@ static void build_plain(walk *w, uint32_t i, cell c)
         outer_fraction = fraction;
     }
     /* The leading tool is present in every cell, so there is always an outermost tool. */
-    const crn_span *s = &w->model->tools[outer].spans[w->span[outer]];
+    const crn_span *s = &crn_tool_on(w->model, outer)->spans[w->span[outer]];
     node->joint.bend_N_m_q26 = bend;
     share_stiffness(w, own_q26, &node->joint);
     node->outer = (uint8_t)outer;
@@ -398,7 +400,7 @@ static bool repeats(const walk *w, uint32_t i)
     }
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
         int32_t offset = w->line->offset_m_q30[k];
-        const crn_tool *tool = &w->model->tools[k];
+        const crn_tool *tool = crn_tool_on(w->model, k);
         const crn_span *s = &tool->spans[w->span[k]];
         bool inside = s->flat && mesh[-2].cell_end_m_q30 - offset >= s->begin_m_q30 &&
                       (mesh->cell_end_m_q30 - offset <= s->end_m_q30 || w->span[k] + 1 == tool->span_count);
@@ -418,7 +420,7 @@ static int32_t steady_arc(const crn_model *model, const crn_line *line)
         if (line->offset_m_q30[k] == CRN_OFFSET_FREE) {
             continue;
         }
-        const crn_span *last = &model->tools[k].spans[model->tools[k].span_count - 1];
+        const crn_span *last = &crn_tool_on(model, k)->spans[crn_tool_on(model, k)->span_count - 1];
         int32_t begin = last->flat ? crn_add_sat(last->begin_m_q30, line->offset_m_q30[k]) : INT32_MAX;
         arc = begin > arc ? begin : arc;
     }
@@ -510,7 +512,7 @@ static bool cell_is_same(const crn_model *model, move moves[CRN_TOOL_MAX], uint3
 {
     const cell c = cell_of(model, i);
     for (uint32_t k = 0; k < model->tool_count; k++) {
-        if (!is_same(&model->tools[k], &moves[k], c)) {
+        if (!is_same(crn_tool_on(model, k), &moves[k], c)) {
             return false;
         }
     }

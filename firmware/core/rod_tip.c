@@ -37,7 +37,8 @@ static uint32_t count_rigid(const crn_model *model, const crn_state *state, uint
         int64_t tight = (int64_t)(model->mesh[i].cell_end_m_q30 - model->mesh[i - 1].cell_end_m_q30) *
                         CRN_TIP_CURVE_PER_m;
         for (uint32_t k = 0; k < model->tool_count; k++) {
-            int64_t turn1 = joint->turn1_q30[k], turn2 = joint->turn2_q30[k];
+            int64_t turn1 = crn_rest_and_set(joint->turn1_q30[k], joint->set_q14[k][0]);
+            int64_t turn2 = crn_rest_and_set(joint->turn2_q30[k], joint->set_q14[k][1]);
             if (turn1 * turn1 + turn2 * turn2 >= tight * tight) {
                 rigid = i + 1;
             }

@@ -261,9 +261,9 @@ typedef struct passed_on {
 static passed_on grip_edges(const crn_model *model, crn_state *state, const touch *t, const passed_on *from)
 {
     const uint32_t na = state->words.free_count, pair = t->pair, first = t->first;
-    const int32_t friction_q30 = model->tools[t->around].lumen_friction_q30;
-    const int32_t radius_m_q39 = model->tools[pair].shaft_radius_m_q30 << 9; /* at most 2 mm */
-    const int32_t bearing_m_q30 = bearing_length(&model->tools[pair], &model->tools[t->around]);
+    const int32_t friction_q30 = crn_tool_on(model, t->around)->lumen_friction_q30;
+    const int32_t radius_m_q39 = crn_tool_on(model, pair)->shaft_radius_m_q30 << 9; /* at most 2 mm */
+    const int32_t bearing_m_q30 = bearing_length(crn_tool_on(model, pair), crn_tool_on(model, t->around));
     const int32_t slide_q30 = state->words.tools[t->slot].slide_share_q30;
     int32_t pull_N_q22 = state->words.tools[t->slot].tip_axial_N_q22;
     int32_t half_N_q22 = from != NULL ? from->half_N_q22 : 0;
@@ -362,7 +362,7 @@ typedef struct section {
 static void add_tool(const crn_model *model, const crn_state *state, uint32_t k, int32_t arc_m_q30,
                      uint32_t i, section *sum)
 {
-    const crn_tool *tool = &model->tools[k];
+    const crn_tool *tool = crn_tool_on(model, k);
     uint32_t span = 0;
     while (span + 1 < tool->span_count && tool->spans[span].end_m_q30 <= arc_m_q30) {
         span++;
@@ -372,6 +372,12 @@ static void add_tool(const crn_model *model, const crn_state *state, uint32_t k,
     int32_t bend = crn_span_value(s, CRN_BEND_N_M2_Q35, fraction);
     int32_t curve1 = crn_mul_q30(crn_span_value(s, CRN_CURVE1_PER_M_Q20, fraction), state->words.release_q30);
     int32_t curve2 = crn_mul_q30(crn_span_value(s, CRN_CURVE2_PER_M_Q20, fraction), state->words.release_q30);
+    if ((state->words.set.used_bits >> k & 1u) != 0) {
+        int32_t set_per_m_q20[2];
+        crn_set_curvature(model, &state->words, k, arc_m_q30, set_per_m_q20);
+        curve1 = crn_add_sat(curve1, set_per_m_q20[0]);
+        curve2 = crn_add_sat(curve2, set_per_m_q20[1]);
+    }
     sum->bend_q35 = crn_add_sat(sum->bend_q35, bend);
     if ((curve1 | curve2) == 0 || (crn_edge_curved(state, i) >> k & 1u) == 0) {
         return;
@@ -508,7 +514,7 @@ static int32_t elastic_handle(const crn_model *model, const crn_state *state, ui
 {
     int32_t inserted = crn_lead_inserted(model, &state->words);
     int32_t offset = state->line.offset_m_q30[k];
-    const crn_tool *tool = &model->tools[k];
+    const crn_tool *tool = crn_tool_on(model, k);
     const crn_span *last = &tool->spans[tool->span_count - 1];
     const crn_span *span = tool->spans;
     int32_t sum = 0;
@@ -524,7 +530,8 @@ static int32_t elastic_handle(const crn_model *model, const crn_state *state, ui
         while (span < last && span->end_m_q30 <= from) {
             span++;
         }
-        if (from <= 0 || (span < last && to > span->end_m_q30)) {
+        const bool has_set = (state->words.set.used_bits >> k & 1u) != 0;
+        if (from <= 0 || has_set || (span < last && to > span->end_m_q30)) {
             sum = crn_add_sat(sum, joint_handle(model, state, k, i, from, to));
         } else if (!span->flat) {
             sum = crn_add_sat(sum, smooth_handle(model, state, k, i, span, from, to));

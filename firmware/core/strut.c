@@ -1,6 +1,6 @@
-/* This file moves the rings of a stent's struts and computes their contact with a node (strut.h,
+/* This file moves the rings of a stent's struts and computes their contact with a node (lesion.h,
  * docs/lesions.md). */
-#include "firmware/core/strut.h"
+#include "firmware/core/lesion.h"
 #include "firmware/core/rod.h"
 
 enum {

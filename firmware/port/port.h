@@ -1,5 +1,4 @@
 /* This header has the functions that a port provides to the app, and those of the app that a port calls.
- *
  * A port owns the memory (one crn_app, two scene slots), the pipe of bytes, and the 1 ms timer:
  *   at power-up      crn_app_init(app, &port)               outputs are off from here on
  *   bytes came in    crn_app_receive(app, bytes, count)     from the main loop, never from an interrupt
@@ -84,7 +83,8 @@ typedef struct crn_port {
     bool (*inputs)(void *context, crn_port_inputs *inputs);
     void (*outputs)(void *context, const crn_port_outputs *outputs);
     uint32_t (*now_us)(void *context); /* free-running, wraps at 2^32; measures how long a tick took */
-    const char *serial;         /* unique to this device, printable ASCII, at most CRN_PORT_SERIAL_BYTES */
+    const char *serial; /* unique to this device, printable ASCII, at most CRN_PORT_SERIAL_BYTES */
+    struct crn_instrument *tool_table; /* CRN_TABLE_MAX tools, as the host sent them; no tick reads them */
     uint8_t *scene_slots[2];    /* two buffers: the old scene stays until the new one is checked (near.md) */
     uint32_t scene_slot_bytes;  /* size of each, 4-byte aligned */
     uint32_t scene_large_bytes; /* size of both if they adjoin, for one larger scene in both; 0: none */

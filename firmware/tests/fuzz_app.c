@@ -32,9 +32,10 @@
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t count);
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity);
 
-enum { OPERATIONS_MAX = 48, SLOT_BYTES = 4096, ROOM_BYTES = 1 << 18, DEVICES = 7, SENT_MAX = 100000 };
+enum { OPERATIONS_MAX = 48, SLOT_BYTES = 4096, ROOM_BYTES = 1 << 18, DEVICES = 8, SENT_MAX = 100000 };
 
-static crn_app app, devices[DEVICES], table_device;
+static crn_app app, devices[DEVICES]; /* the last one has a table of tools beside its line */
+static crn_instrument tools_now[CRN_TABLE_MAX], tools_of[DEVICES][CRN_TABLE_MAX];
 /* of coupled devices with one, two and three tools */
 static uint8_t snapshots[CRN_TOOL_MAX][CRN_APP_SNAPSHOT_BYTES];
 static uint8_t slots[2][SLOT_BYTES], near_memory[1 << 18] __attribute__((aligned(32)));
@@ -127,6 +128,7 @@ static uint32_t now_us(void *context)
 }
 
 static const crn_port port = {
+    .tool_table = tools_now,
     .transmit = transmit,
     .transmit_room = transmit_room,
     .inputs = inputs,
@@ -265,10 +267,12 @@ static void build_devices(void)
     const client_pipe pipe = {NULL, write_pipe, read_pipe};
     listener = &c;
     for (int i = 0; i < DEVICES; i++) {
+        const bool has_table = i == DEVICES - 1;
         client_open_pipe(&c, &pipe);
         forget();
         crn_app_init(&app, &port);
-        if (i > 0) build_device(&c, (uint16_t)(1 + (i - 1) % CRN_WIRE_TOOL_MAX), i > 3);
+        const uint16_t plan = has_table ? A_TABLE : (uint16_t)(1 + (i - 1) % CRN_WIRE_TOOL_MAX);
+        if (i > 0) build_device(&c, plan, i > 3);
         if (i == 4) power(); /* one coupled tool, with power, and a hand that pushes */
         for (int ms = 0; i == 4 && ms < 20; ms++) {
             rig.inputs.hands[0].translation_counts += 200;
@@ -277,32 +281,24 @@ static void build_devices(void)
         }
         if (i == 6) command(CRN_WIRE_ACTION_STOP, 0);
         devices[i] = app;
-        if (i > 3) take_snapshot(snapshots[i - 4]);
+        memcpy(tools_of[i], tools_now, sizeof tools_now);
+        if (i > 3 && !has_table) take_snapshot(snapshots[i - 4]);
     }
-    client_open_pipe(&c, &pipe);
-    forget();
-    crn_app_init(&app, &port);
-    build_device(&c, A_TABLE, true);
-    table_device = app;
     promise(devices[4].safety.is_driving && devices[4].haptics.motors[0].axial_mN > 500);
     listener = NULL;
 }
 
-static void take_device(const crn_app *device)
+static void take_device(uint8_t number)
 {
     forget();
-    app = *device;
+    app = devices[number];
+    memcpy(tools_now, tools_of[number], sizeof tools_now);
     rig.last_drive = app.safety.drive_level;
     for (int k = 0; k < CRN_PORT_TOOL_MAX && app.safety.is_driving; k++)
         rig.last[k] = (crn_port_motor){app.haptics.motors[k].axial_mN, app.haptics.motors[k].torque_uN_m};
     rig.is_attached = app.edge.has_rig;
     rig.inputs = app.edge.rig;
     rig.now_us = app.clock.edge_us;
-}
-
-static void choose_device(uint8_t which)
-{
-    take_device(&devices[which % DEVICES]);
 }
 
 /* --- operations --- */
@@ -417,7 +413,7 @@ static void operate(input *in)
     } else if (op == 0x81) {
         for (int ms = 0; ms < argument % 24; ms++) millisecond();
     } else if (op == 0x82) {
-        choose_device(argument);
+        take_device(argument % (DEVICES - 1));
     } else if (op == 0x83) {
         step(in, argument, NULL);
     } else if (op == 0x84) {
@@ -440,7 +436,7 @@ static void operate(input *in)
         const crn_wire_exchange order = {argument % 4, take(in) % 10};
         step(in, 1, &order);
     } else if (op == 0x8c) {
-        take_device(&table_device);
+        take_device(DEVICES - 1);
     }
 }
 
@@ -461,7 +457,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t count)
 {
     if (devices[0].port == NULL) build_devices();
     input in = {bytes, count};
-    choose_device(0);
+    take_device(0);
     for (int i = 0; i < OPERATIONS_MAX && in.left > 0 && rig.sent < SENT_MAX; i++) {
         operate(&in);
         check_books();

@@ -197,6 +197,96 @@ static void a_wrong_value_names_its_tool_and_knot(void **state)
     expect_reject(CRN_REJECT_SET_UP_MISSING, 0, 0);
 }
 
+/* Each value of a material has its range, and some values exist only for superelastic tools (crn_material in
+ * firmware/core/core.h). */
+static void a_material_outside_its_ranges_is_refused(void **state)
+{
+    (void)state;
+    enum { ELASTIC = CRN_WIRE_MATERIAL_ELASTIC, METAL, SUPERELASTIC };
+    static const struct {
+        uint8_t kind;
+        uint32_t yield_strain_micro, core_modulus_MPa, hardening_milli, unload_milli, limit_milli;
+        bool is_accepted;
+    } materials[] = {
+        {ELASTIC, 0, 0, 0, 0, 0, true},
+        {ELASTIC, 12510, 0, 0, 0, 0, false},
+        {ELASTIC, 0, 0, 0, 1, 0, false},
+        {METAL, 500, 1000, 0, 0, 0, true},
+        {METAL, 50000, 300000, 900, 0, 0, true},
+        {METAL, 499, 190000, 75, 0, 0, false},
+        {METAL, 50001, 190000, 75, 0, 0, false},
+        {METAL, UINT32_MAX, UINT32_MAX, UINT32_MAX, UINT32_MAX, UINT32_MAX, false},
+        {METAL, 13900, 999, 75, 0, 0, false},
+        {METAL, 13900, 300001, 75, 0, 0, false},
+        {METAL, 13900, 190000, 901, 0, 0, false},
+        {METAL, 13900, 190000, 75, 500, 0, false},
+        {METAL, 13900, 190000, 75, 0, 5000, false},
+        {SUPERELASTIC, 12510, 55000, 75, 400, 4900, true},
+        {SUPERELASTIC, 12510, 55000, 900, 950, 20000, true},
+        {SUPERELASTIC, 12510, 55000, 75, 951, 4900, false},
+        {SUPERELASTIC, 12510, 55000, 75, 400, 99, false},
+        {SUPERELASTIC, 12510, 55000, 75, 400, 20001, false},
+        {SUPERELASTIC, 0, 55000, 75, 400, 4900, false},
+        {SUPERELASTIC + 1, 12510, 55000, 75, 400, 4900, false},
+        {255, 0, 0, 0, 0, 0, false},
+    };
+    greet();
+    for (size_t i = 0; i < sizeof materials / sizeof materials[0]; i++) {
+        client_plain_tools(&tools, TOOLS);
+        crn_wire_instrument *tool = &tools.tools[CATHETER];
+        tool->material_kind = materials[i].kind;
+        tool->yield_strain_micro = materials[i].yield_strain_micro;
+        tool->core_modulus_MPa = materials[i].core_modulus_MPa;
+        tool->hardening_milli = materials[i].hardening_milli;
+        tool->unload_milli = materials[i].unload_milli;
+        tool->limit_milli = materials[i].limit_milli;
+        client_tools(&host, &tools);
+        if (materials[i].is_accepted)
+            assert_true(client_expect_status(&host, &status));
+        else
+            expect_reject(CRN_REJECT_TOOL_RANGE, CATHETER, 0);
+    }
+}
+
+/* Returns the state after a soft wire sagged under its weight, to some 40/m at the sheath. */
+static crn_wire_tick_state sagged(uint8_t kind, uint32_t yield_strain_micro, uint32_t core_modulus_MPa)
+{
+    uint32_t tick = 0;
+    client_close(&host);
+    client_open(&host, 0);
+    greet();
+    client_plain_tools(&tools, 1);
+    crn_wire_instrument *wire = &tools.tools[WIRE];
+    wire->material_kind = kind;
+    wire->yield_strain_micro = yield_strain_micro;
+    wire->core_modulus_MPa = core_modulus_MPa;
+    for (int i = 0; i < 2; i++)
+        wire->knots[i].bend_stiffness_nN_m2 = wire->knots[i].twist_stiffness_nN_m2 = 1000;
+    client_tools(&host, &tools);
+    assert_true(client_expect_status(&host, &status));
+    client_entry(&host, 50000);
+    assert_true(client_expect_status(&host, &status));
+    command(CRN_WIRE_ACTION_ARM);
+    command(CRN_WIRE_ACTION_START);
+    memset(hands_at, 0, sizeof hands_at);
+    move(&tick, 500, (const int32_t[]){0, 0, 0});
+    return ticks.states[49];
+}
+
+/* A wire that passes its yield curvature moves otherwise than the elastic one: with EI = 1e-6 N m^2 and 1
+ * GPa, the core's radius is 0.19 mm, and the strain 0.0005 is reached at 2.6/m. A wire that stays below its
+ * yield curvature, here 1100/m, moves like the elastic one. */
+static void the_material_of_the_message_is_that_of_the_core(void **state)
+{
+    (void)state;
+    const crn_wire_tick_state elastic = sagged(CRN_WIRE_MATERIAL_ELASTIC, 0, 0),
+                              below = sagged(CRN_WIRE_MATERIAL_METAL, 50000, 300000),
+                              beyond = sagged(CRN_WIRE_MATERIAL_METAL, 500, 1000);
+    assert_int_equal(elastic.hash_lane0, below.hash_lane0);
+    assert_int_equal(elastic.hash_lane1, below.hash_lane1);
+    assert_int_not_equal(elastic.hash_lane0, beyond.hash_lane0);
+}
+
 static void none_and_four_tools_are_refused(void **state)
 {
     (void)state;
@@ -336,6 +426,8 @@ int main(void)
         TEST(a_session_with_three_tools_gives_the_same_hashes_every_time),
         TEST(tools_that_do_not_nest_are_refused_by_name_and_leave_the_old_ones),
         TEST(a_wrong_value_names_its_tool_and_knot),
+        TEST(a_material_outside_its_ranges_is_refused),
+        TEST(the_material_of_the_message_is_that_of_the_core),
         TEST(none_and_four_tools_are_refused),
         TEST(an_entry_belongs_to_its_number_of_tools),
         TEST(the_tool_that_is_too_short_for_its_start_is_named),

@@ -18,7 +18,6 @@
 
 #include "firmware/core/lesion.h"
 #include "firmware/core/near/near.h"
-#include "firmware/core/strut.h"
 #include "firmware/tests/reference/damage.h"
 #include "firmware/tests/reference/long_run.h"
 #include "firmware/tests/reference/moving_tube.h"

@@ -17,7 +17,7 @@
 
 #include <cmocka.h>
 
-#include "firmware/core/strut.h"
+#include "firmware/core/lesion.h"
 #include "firmware/tests/reference/damage.h"
 #include "firmware/tests/reference/long_run.h"
 #include "firmware/tests/reference/tube_lumen.h"

@@ -445,7 +445,7 @@ static const tool_plan three_shaped[] = {{1e-5, 5e-4, 66, 20, 445, 0, 0.1, 0},
 static void random_hands_keep_three_tools_in_the_vessel(void **context)
 {
     (void)context;
-    reference_hands_result result = {0, 0, 0, 0, 0};
+    reference_hands_result result = {0};
     reference_random_hands(3, 8, REFERENCE_RUN(12000), &result);
     check_below("length error (%)", result.strain_max_pct, 0.6);
     check_below("ticks with more than 0.45 %", result.long_045, 1);

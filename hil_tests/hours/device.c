@@ -19,6 +19,7 @@ enum {
 
 struct hours_device {
     uint8_t canary_low[CANARY_BYTES];
+    crn_instrument tool_table[CRN_TABLE_MAX];
     crn_app app;
     uint8_t canary_middle[CANARY_BYTES];
     crn_rig_usb usb;
@@ -94,6 +95,7 @@ hours_device *hours_device_create(const hours_hardware *hardware, void *mailbox)
         .outputs = outputs,
         .now_us = now_us,
         .serial = "HOURS-0001",
+        .tool_table = device->tool_table,
         .scene_slots = {slots, slots + HOURS_SLOT_BYTES},
         .scene_slot_bytes = HOURS_SLOT_BYTES,
         .capabilities = CRN_WIRE_CAPABILITY_ENCODERS | CRN_WIRE_CAPABILITY_MOTORS,

@@ -70,6 +70,7 @@ bool usb_device_start(usb_device *device, const char *serial)
         .outputs = take_outputs,
         .now_us = now_us,
         .serial = serial,
+        .tool_table = device->tool_table,
         .scene_slots = {slots[0], slots[1]},
         .scene_slot_bytes = USB_DEVICE_SLOT_BYTES,
     };

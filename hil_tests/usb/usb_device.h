@@ -15,6 +15,7 @@ typedef struct usb_device {
     crn_mailbox_udc controller;
     crn_rig_usb rig_usb;
     crn_port port;
+    crn_instrument tool_table[CRN_TABLE_MAX];
     crn_app app;
     crn_port_outputs outputs;
     uint32_t us;

@@ -59,6 +59,11 @@ void print_instrument(const std::string &path)
     const Instrument instrument = read_instrument(path);
     say(stdout, "instrument    %s, %.0f mm, %u knots\n", printable(instrument.name).c_str(),
         instrument.length_m * 1e3, unsigned{instrument.table.knots_count});
+    if (instrument.table.material_kind != CRN_WIRE_MATERIAL_ELASTIC)
+        say(stdout, "material      %s, from a strain of %.2f %% on (docs/instruments.md)\n",
+            instrument.table.material_kind == CRN_WIRE_MATERIAL_SUPERELASTIC ? "superelastic"
+                                                                             : "metal that yields",
+            instrument.table.yield_strain_micro * 1e-4);
     say(stdout, "%10s %14s %14s %10s %8s %8s %14s %14s\n", "arc mm", "EI N m^2", "GJ N m^2", "g/m", "R mm",
         "r mm", "curvature 1/m", "curvature 2/m");
     for (std::uint16_t i = 0; i < instrument.table.knots_count; i++) {

@@ -21,7 +21,7 @@ const std::string default_preset = "physical";
 void read_head(const TomlTable &root, Instrument &instrument)
 {
     root.check_keys({"format", "name", "kind", "description", "shape_name", "sources", "elements", "shape",
-                     "side_holes", "whole", "balloon", "preset"});
+                     "side_holes", "whole", "balloon", "material", "preset"});
     instrument.name = root.words("name");
     instrument.description = root.words("description");
     instrument.shape_name = root.words("shape_name");
@@ -152,7 +152,9 @@ Instrument assemble(const TomlTable &root, const Instrument &head, const std::st
     instrument.table.lumen_friction_milli =
         static_cast<std::uint32_t>(std::lround(preset.lumen_friction * 1e3));
     instrument.thesis = preset.thesis;
+    if (preset.thesis) forget_material(instrument.table); // the rod of the thesis is elastic
     add_profile(root.inside("preset " + in_quotes(name)), preset.sections, instrument);
+    check_material(root, instrument.table);
     add_markers(instrument);
     return instrument;
 }
@@ -185,6 +187,7 @@ Instrument read_instrument(const std::string &path)
     head.side_holes = read_side_holes(root, head.kind);
     read_whole(root, head.kind, head.table);
     head.balloon = read_balloon(root, head.kind, head.table);
+    read_material(root, head.kind, head.table);
     const std::map<std::string, Preset> presets = read_presets(root, head.kind);
     root.check_sources_used();
     head.presets = {default_preset};

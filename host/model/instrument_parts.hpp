@@ -47,6 +47,16 @@ std::vector<SideHoles> read_side_holes(const TomlTable &root, InstrumentKind kin
 std::optional<BalloonLabel> read_balloon(const TomlTable &root, InstrumentKind kind,
                                          crn_wire_instrument &wire);
 
+// Reads the table [material] of an instrument file. Stores the law of a round core of this material in the
+// argument `wire`; without the key, the tool stays elastic.
+void read_material(const TomlTable &root, InstrumentKind kind, crn_wire_instrument &wire);
+
+// Refuses a material whose round core would be thicker than the wire. `wire` has its knots already.
+void check_material(const TomlTable &root, const crn_wire_instrument &wire);
+
+// Makes an instrument elastic.
+void forget_material(crn_wire_instrument &wire);
+
 // Adds the marker bands of the balloon to the instrument's X-ray layers.
 void add_markers(Instrument &instrument);
 

@@ -121,6 +121,21 @@ nlohmann::ordered_json knots_json(const Instrument &instrument)
     return knots;
 }
 
+// Returns the law of a core that does not stay elastic (docs/instruments.md, "Materials").
+nlohmann::ordered_json material_json(const crn_wire_instrument &table)
+{
+    nlohmann::ordered_json law = {
+        {"kind", table.material_kind == CRN_WIRE_MATERIAL_SUPERELASTIC ? "superelastic" : "metal"},
+        {"yield_strain", table.yield_strain_micro * 1e-6},
+        {"young_modulus_GPa", table.core_modulus_MPa * 1e-3},
+        {"hardening", table.hardening_milli * 1e-3}};
+    if (table.material_kind == CRN_WIRE_MATERIAL_SUPERELASTIC) {
+        law["unload"] = table.unload_milli * 1e-3;
+        law["limit"] = table.limit_milli * 1e-3;
+    }
+    return law;
+}
+
 nlohmann::ordered_json one_json(const ListedInstrument &item)
 {
     const Instrument &instrument = item.instrument;
@@ -139,6 +154,8 @@ nlohmann::ordered_json one_json(const ListedInstrument &item)
     one["twist_stiffness_tip_N_m2"] = at_tip(instrument, Stiffness::twist);
     one["twist_stiffness_shaft_N_m2"] = at_shaft(instrument, Stiffness::twist);
     one["lumen_friction"] = instrument.table.lumen_friction_milli * 1e-3;
+    if (instrument.table.material_kind != CRN_WIRE_MATERIAL_ELASTIC)
+        one["material"] = material_json(instrument.table);
     one["nodes"] = line_node_count(instrument.table);
     one["shape"] = instrument.shape_name;
     one["shape_centreline_mm"] = nlohmann::ordered_json::array();

@@ -1,7 +1,7 @@
 // A recording contains everything that determines a session, tick by tick (docs/session.md describes every
 // byte).
 //
-//   file   = "CRN-REC5" | chunk ...
+//   file   = "CRN-REC6" | chunk ...
 //   chunk  = kind u32 | bytes u32 | payload | CRC-32 u32 over kind, bytes and payload
 //   order  = HEAD, SIDE_HOLES, BALLOON and STENT; then TICKS, HASH, SNAPSHOT, RESUMED and ROOM as they happen;
 //            END when the session was closed properly

@@ -10,10 +10,10 @@ namespace crn::recording_format
 
 // The digit is the version. In versions 2 and 3 of the format, every tick had fields for all kinds of
 // commands (orders), and version 2 had chunks of the kind VIEW instead of ROOM. In versions 2 to 4 of the
-// format, all tools of a session were in use at once. The code in recording_upgrade.hpp converts files of
-// these versions.
-inline constexpr char magic[9] = "CRN-REC5";
-inline constexpr char oldest_version = '2', protocol_5_version = '4';
+// format, all tools of a session were in use at once. In versions 2 to 5, every tool was elastic. The code in
+// recording_upgrade.hpp converts files of these versions.
+inline constexpr char magic[9] = "CRN-REC6";
+inline constexpr char oldest_version = '2', protocol_5_version = '4', protocol_6_version = '5';
 
 enum Kind : std::uint32_t {
     HEAD = 1,
@@ -57,6 +57,7 @@ constexpr std::size_t old_tick_bytes(std::size_t tool_count)
 }
 inline constexpr std::uint64_t schema_of_protocol_4 = 0xfe912b8c91b717bb; // its last one
 inline constexpr std::uint64_t schema_of_protocol_5 = 0x6cc533673f6eff5c;
+inline constexpr std::uint64_t schema_of_protocol_6 = 0xd0825c0bc52def3a;
 inline constexpr std::size_t view_bytes = 4 + 2 + 6 * 4; // of version 2
 inline constexpr std::size_t command_bytes = 4 + 2 + 3 * 4;
 inline constexpr std::size_t side_holes_bytes = 1 + 8 + 8 + 4 + 8;

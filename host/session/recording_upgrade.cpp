@@ -31,13 +31,21 @@ bool is_old_size(std::uint32_t kind, std::size_t bytes, std::size_t tool_count)
 }
 
 constexpr ChunkRules old_rules = {is_old_kind, is_old_size};
-constexpr ChunkRules protocol_5_rules = {is_old_kind, is_size_of};
+constexpr ChunkRules protocol_5_rules = {is_old_kind, is_size_of}; // and of protocol 6
 
 // When an old recording is upgraded, new data are inserted into a snapshot of protocol 4 or 5 at two kinds of
 // places: after the 108 bytes of each of its three tools, and directly before its 388 nodes of 84 bytes each.
+// A snapshot of protocol 6 lacks only the sets of the tools (crn_set_state of firmware/core/core_state.h),
+// which lie before the nodes.
 constexpr std::size_t snapshot_head_bytes = 12, snapshot_tool_bytes = 108, snapshot_tools = 3,
-                      release_bytes = 12, node_bytes = std::size_t{388} * 84, exchange_words = 5;
-constexpr std::uint32_t old_snapshot_version = 3, snapshot_version = 4;
+                      release_bytes = 12, node_bytes = std::size_t{388} * 84, exchange_words = 5,
+                      set_bytes = 4 + snapshot_tools * 160 * 8;
+constexpr std::uint32_t protocol_5_snapshot_version = 3, protocol_6_snapshot_version = 4,
+                        snapshot_version = 5;
+
+// Protocol 6 added two lengths to the record of a tool, and protocol 7 the material. An old tool is elastic,
+// and its lengths are not known, so the added bytes are 0.
+constexpr std::size_t length_bytes = 2 * 4, material_bytes = 1 + 5 * 4;
 
 // Appends a word in little-endian byte order.
 void put_word(std::vector<std::uint8_t> &bytes, std::uint32_t value)
@@ -57,11 +65,11 @@ class Upgrade
     {
         check_version();
         bytes_.assign(magic, magic + 8);
-        const ChunkRules &rules = mark_.version == protocol_5_version ? protocol_5_rules : old_rules;
+        const ChunkRules &rules = has_order_lists() ? protocol_5_rules : old_rules;
         chunks_.read_head(rules);
         take_head();
         bool is_complete = false;
-        while (!is_complete && chunks_.next(rules, tools_)) {
+        while (!is_complete && chunks_.next(rules, positions_)) {
             is_complete = chunks_.kind() == END;
             take_chunk();
         }
@@ -84,14 +92,17 @@ class Upgrade
                              static_cast<char>(magic[7] - 1) + "'; use the program that wrote it");
     }
 
+    bool is_protocol_6() const { return mark_.version == protocol_6_version; }
+    bool has_order_lists() const { return is_protocol_6() || mark_.version == protocol_5_version; }
+
     void add(std::uint32_t kind, std::span<const std::uint8_t> payload)
     {
         const std::vector<std::uint8_t> chunk = sealed_chunk(kind, payload);
         bytes_.insert(bytes_.end(), chunk.begin(), chunk.end());
     }
 
-    // The header of the recording changes in three places: the schema hash, two unknown lengths behind each
-    // tool's values, and the list of tools in use, which has all tools.
+    // The header of the recording changes in three places: the schema hash, the values of each tool, and,
+    // before protocol 6, the list of tools in use, which has all tools.
     void take_head()
     {
         crn_wire_reader &payload = chunks_.payload();
@@ -101,25 +112,42 @@ class Upgrade
         crn_wire_read(&payload, 8); // of the scene
         get_text(payload);
         get_text(payload);
-        tools_ = crn_wire_read(&payload, 1);
-        if (payload.failed || tools_ < 1 || tools_ > CRN_WIRE_TOOL_MAX)
+        const std::size_t tools = crn_wire_read(&payload, 1);
+        if (payload.failed || tools < 1 || tools > (is_protocol_6() ? CRN_WIRE_TABLE_MAX : CRN_WIRE_TOOL_MAX))
             chunks_.fail(RecordingFault::inconsistent,
-                         "is inconsistent: it has " + std::to_string(tools_) + " tools");
+                         "is inconsistent: it has " + std::to_string(tools) + " tools");
         const auto old = chunks_.payload_bytes();
         std::vector<std::uint8_t> head(old.begin(),
                                        old.begin() + static_cast<std::ptrdiff_t>(payload.position));
-        for (std::size_t k = 0; k < tools_; k++) take_tool(head);
-        head.push_back(0);
+        for (std::size_t k = 0; k < tools; k++) take_tool(head);
+        positions_ = tools;
+        if (is_protocol_6())
+            take_line(head);
+        else
+            head.push_back(0);
         head.insert(head.end(), old.begin() + static_cast<std::ptrdiff_t>(payload.position), old.end());
         crn_wire_writer writer = crn_wire_writer_make(head.data() + place, 8);
         crn_wire_write(&writer, crn_wire_schema_hash(), 8);
         add(HEAD, head);
     }
 
+    // The parser of the present version checks the line (the tools in use at the beginning).
+    void take_line(std::vector<std::uint8_t> &head)
+    {
+        crn_wire_reader &payload = chunks_.payload();
+        const std::size_t begin = payload.position, count = crn_wire_read(&payload, 1);
+        skip(count);
+        if (count > 0) positions_ = count;
+        if (payload.failed || positions_ > CRN_WIRE_TOOL_MAX)
+            chunks_.fail(RecordingFault::inconsistent, "is inconsistent: a line that cannot be");
+        head.insert(head.end(), payload.bytes + begin, payload.bytes + payload.position);
+    }
+
     void check_schema(std::uint64_t schema) const
     {
-        const std::uint64_t known =
-            mark_.version == protocol_5_version ? schema_of_protocol_5 : schema_of_protocol_4;
+        const std::uint64_t known = is_protocol_6()     ? schema_of_protocol_6
+                                    : has_order_lists() ? schema_of_protocol_5
+                                                        : schema_of_protocol_4;
         if (schema == known) return;
         chunks_.fail(
             RecordingFault::newer_version,
@@ -135,68 +163,83 @@ class Upgrade
     }
 
     // A tool of protocol 5 has five values, its knots, three values of its balloon, the balloon's table, and
-    // its layers.
+    // its layers. In protocol 6, two lengths lie before the layers.
     void take_tool(std::vector<std::uint8_t> &head)
     {
         crn_wire_reader &payload = chunks_.payload();
-        const std::size_t begin = payload.position;
-        get_text(payload);
-        skip(8 + 5 * 4);
-        skip(crn_wire_read(&payload, 2) * CRN_WIRE_BYTES_knot);
-        skip(3 * 4);
-        skip(crn_wire_read(&payload, 2) * CRN_WIRE_BYTES_balloon_point);
-        const std::size_t end = payload.position;
-        const std::size_t layers = crn_wire_read(&payload, 2);
-        for (std::size_t i = 0; i < layers && !payload.failed; i++) {
-            skip(8 + 8);
+        const auto copy = [&](const auto &read) {
+            const std::size_t begin = payload.position;
+            read();
+            if (payload.failed)
+                chunks_.fail(RecordingFault::inconsistent, "is inconsistent: a tool is cut off");
+            head.insert(head.end(), payload.bytes + begin, payload.bytes + payload.position);
+        };
+        const auto add_zeros = [&](std::size_t bytes) { head.insert(head.end(), bytes, 0); };
+        copy([&] {
             get_text(payload);
-            skip(8 + 8);
-        }
-        if (payload.failed) chunks_.fail(RecordingFault::inconsistent, "is inconsistent: a tool is cut off");
-        head.insert(head.end(), payload.bytes + begin, payload.bytes + end);
-        put_word(head, 0);
-        put_word(head, 0);
-        head.insert(head.end(), payload.bytes + end, payload.bytes + payload.position);
+            skip(8 + 5 * 4);
+            skip(crn_wire_read(&payload, 2) * CRN_WIRE_BYTES_knot);
+            skip(3 * 4);
+            skip(crn_wire_read(&payload, 2) * CRN_WIRE_BYTES_balloon_point);
+            if (is_protocol_6()) skip(length_bytes);
+        });
+        add_zeros(is_protocol_6() ? material_bytes : length_bytes + material_bytes);
+        copy([&] {
+            const std::size_t layers = crn_wire_read(&payload, 2);
+            for (std::size_t i = 0; i < layers && !payload.failed; i++) {
+                skip(8 + 8);
+                get_text(payload);
+                skip(8 + 8);
+            }
+        });
     }
 
     void take_chunk()
     {
         const std::uint32_t kind = chunks_.kind();
         if (kind == SNAPSHOT || kind == RESUMED) return take_snapshot();
-        if (kind == TICKS && mark_.version != protocol_5_version) return take_ticks();
+        if (kind == TICKS && !has_order_lists()) return take_ticks();
         if (kind == VIEW) return take_view();
         add(kind, chunks_.payload_bytes());
     }
 
-    // The upgraded snapshot states that no tool was released by a replacement, and which tools are in use. A
-    // snapshot of an unknown form stays unchanged: a device refuses it, as before the conversion.
+    // The upgraded snapshot states that no tool has a set and, before protocol 6, that no tool was released
+    // by a replacement, and which tools are in use. A snapshot of an unknown form stays unchanged: a device
+    // refuses it, as before the conversion.
     void take_snapshot()
     {
         const auto old = chunks_.payload_bytes();
-        const std::size_t words = 4 + snapshot_head_bytes + snapshot_tools * snapshot_tool_bytes;
-        if (old.size() < words + node_bytes || old[4] != old_snapshot_version)
-            return add(chunks_.kind(), chunks_.payload_bytes());
-        std::vector<std::uint8_t> bytes(old.begin(), old.begin() + 4 + snapshot_head_bytes);
+        const auto part = [&](std::size_t at) { return old.begin() + static_cast<std::ptrdiff_t>(at); };
+        const std::uint32_t wanted =
+            is_protocol_6() ? protocol_6_snapshot_version : protocol_5_snapshot_version;
+        const std::size_t tools = 4 + snapshot_head_bytes,
+                          words = tools + snapshot_tools * snapshot_tool_bytes;
+        if (old.size() < words + node_bytes || old[4] != wanted) return add(chunks_.kind(), old);
+        const std::size_t nodes = old.size() - node_bytes;
+        std::vector<std::uint8_t> bytes(old.begin(), part(tools));
         bytes[4] = snapshot_version;
-        for (std::size_t k = 0; k < snapshot_tools; k++) {
-            const auto tool =
-                old.begin() + static_cast<std::ptrdiff_t>(4 + snapshot_head_bytes + k * snapshot_tool_bytes);
-            bytes.insert(bytes.end(), tool, tool + snapshot_tool_bytes);
-            bytes.insert(bytes.end(), release_bytes, 0);
+        if (is_protocol_6()) {
+            bytes.insert(bytes.end(), part(tools), part(nodes));
+        } else {
+            for (std::size_t at = tools; at < words; at += snapshot_tool_bytes) {
+                bytes.insert(bytes.end(), part(at), part(at + snapshot_tool_bytes));
+                bytes.insert(bytes.end(), release_bytes, 0);
+            }
+            bytes.insert(bytes.end(), part(words), part(nodes));
+            for (std::uint32_t i = 0; i < exchange_words; i++)
+                put_word(bytes, i >= 1 && i <= positions_ ? i : 0);
         }
-        const auto nodes = old.end() - static_cast<std::ptrdiff_t>(node_bytes);
-        bytes.insert(bytes.end(), old.begin() + static_cast<std::ptrdiff_t>(words), nodes);
-        for (std::uint32_t i = 0; i < exchange_words; i++) put_word(bytes, i >= 1 && i <= tools_ ? i : 0);
-        bytes.insert(bytes.end(), nodes, old.end());
+        bytes.insert(bytes.end(), set_bytes, 0);
+        bytes.insert(bytes.end(), part(nodes), old.end());
         add(chunks_.kind(), bytes);
     }
 
     void take_ticks()
     {
         const std::uint32_t first = chunks_.read_u32(), count = chunks_.read_u32();
-        if (chunks_.payload().length != 8 + count * old_tick_bytes(tools_))
+        if (chunks_.payload().length != 8 + count * old_tick_bytes(positions_))
             chunks_.fail(RecordingFault::inconsistent, "is inconsistent: ticks are missing or doubled");
-        std::vector<std::uint8_t> ticks(8 + count * tick_bytes_max(tools_));
+        std::vector<std::uint8_t> ticks(8 + count * tick_bytes_max(positions_));
         crn_wire_writer writer = crn_wire_writer_make(ticks.data(), ticks.size());
         crn_wire_write(&writer, first, 4);
         crn_wire_write(&writer, count, 4);
@@ -217,9 +260,9 @@ class Upgrade
     {
         crn_wire_tick_input input{};
         input.hands_count = read_u16();
-        if (input.hands_count != tools_)
+        if (input.hands_count != positions_)
             chunks_.fail(RecordingFault::inconsistent, "is inconsistent: another number of hands than tools");
-        for (std::size_t k = 0; k < tools_; k++) {
+        for (std::size_t k = 0; k < positions_; k++) {
             input.hands[k].translation_counts = chunks_.read_i32();
             input.hands[k].rotation_counts = chunks_.read_i32();
         }
@@ -288,7 +331,7 @@ class Upgrade
 
     ChunkReader chunks_;
     const VersionMark mark_;
-    std::size_t tools_ = 0;
+    std::size_t positions_ = 0;
     std::optional<std::array<std::int32_t, 8>> last_view_; // fluoro, follow, angles, table, field
     std::vector<std::uint8_t> bytes_;
 };

@@ -25,7 +25,7 @@ extern "C" {
 
 /* clang-format off */
 enum {
-    CRN_WIRE_PROTOCOL_MAJOR = 6, /* changes when old and new sides cannot communicate */
+    CRN_WIRE_PROTOCOL_MAJOR = 7, /* changes when old and new sides cannot communicate */
     CRN_WIRE_PROTOCOL_MINOR = 0,
 };
 
@@ -189,6 +189,10 @@ enum {
     CRN_WIRE_CAPABILITY_SNAPSHOTS = 4,
     CRN_WIRE_CAPABILITY_ENCODERS = 8,
     CRN_WIRE_CAPABILITY_MOTORS = 16,
+
+    CRN_WIRE_MATERIAL_ELASTIC = 0,
+    CRN_WIRE_MATERIAL_METAL = 1,
+    CRN_WIRE_MATERIAL_SUPERELASTIC = 2,
 
     CRN_WIRE_BUTTON_XRAY = 1,
     CRN_WIRE_BUTTON_CINE = 2,

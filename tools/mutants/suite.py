@@ -12,7 +12,7 @@ import subprocess
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 UNITS = (
-    "vector fixed line length tip rod tools lumen motion rhythm lesion strut balloon near exchange tools_friction"
+    "vector fixed line length tip rod tools lumen motion rhythm lesion strut balloon near exchange tools_friction set"
 ).split()
 VALIDATE = "validate"
 CORE_ARCHIVE = "lib/libfirmware_core.a"

@@ -9,11 +9,12 @@ enum {
     CHIP_IN_BYTES = 1 << 17,
     CHIP_OUT_BYTES = 1 << 18,
     CHIP_SLOT_BYTES = 4 << 20,
-    CHIP_NEAR_BYTES = 400 << 10
+    CHIP_NEAR_BYTES = 388 << 10
 };
 
 static crn_app app __attribute__((section(".hot"), aligned(8)));
 uint8_t chip_slots[2][CHIP_SLOT_BYTES] __attribute__((section(".scenes"), aligned(32)));
+static crn_instrument tool_table[CRN_TABLE_MAX] __attribute__((section(".near"), aligned(32)));
 static uint8_t near_memory[CHIP_NEAR_BYTES] __attribute__((section(".near"), aligned(32)));
 uint8_t chip_in[CHIP_IN_BYTES] __attribute__((section(".host"), aligned(8)));
 uint8_t chip_out[CHIP_OUT_BYTES] __attribute__((section(".host"), aligned(8)));
@@ -61,6 +62,7 @@ static uint32_t now_us(void *context)
 }
 
 static const crn_port port = {
+    .tool_table = tool_table,
     .transmit = transmit,
     .transmit_room = transmit_room,
     .inputs = inputs,

@@ -13,6 +13,7 @@
 static crn_app app __attribute__((section(".hot"), aligned(8)));
 static crn_rig_usb usb __attribute__((section(".dma"), aligned(32)));
 static uint8_t slots[2][BOARD_SLOT_BYTES] __attribute__((section(".scenes"), aligned(32)));
+static crn_instrument tool_table[CRN_TABLE_MAX] __attribute__((section(".near"), aligned(32)));
 static uint8_t near_memory[BOARD_NEAR_BYTES] __attribute__((section(".near"), aligned(32)));
 static char serial[BOARD_SERIAL_BYTES + 1];
 _Static_assert((int)BOARD_SERIAL_BYTES == (int)CRN_PORT_SERIAL_BYTES, "the serial fits");
@@ -23,6 +24,7 @@ static struct {
 
 static crn_port port = {
     .context = &usb,
+    .tool_table = tool_table,
     .transmit = crn_rig_usb_transmit,
     .transmit_room = crn_rig_usb_room,
     .inputs = rig_inputs,

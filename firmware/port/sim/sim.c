@@ -14,6 +14,7 @@ struct crn_sim {
     uint32_t time_us, edge_us, tick_us;
     size_t pipe_begin, pipe_end, pipe_bytes;
     uint8_t pipe[CRN_SIM_PIPE_BYTES];
+    crn_instrument tool_table[CRN_TABLE_MAX];
     crn_app app;
 };
 
@@ -105,6 +106,7 @@ crn_sim *crn_sim_create(uint32_t scene_slot_bytes)
         .outputs = sim_outputs,
         .now_us = sim_now_us,
         .serial = "sim",
+        .tool_table = sim->tool_table,
         .scene_slots = {slots, slots + scene_slot_bytes},
         .scene_slot_bytes = scene_slot_bytes,
         .capabilities = 0,

@@ -97,7 +97,8 @@ bool haptic_begin(haptic_rig *rig, const crn_lumen *lumen, const crn_wire_instru
                            .inputs = inputs,
                            .outputs = outputs,
                            .now_us = now_us,
-                           .serial = "haptic"};
+                           .serial = "haptic",
+                           .tool_table = rig->tool_table};
     rig->inputs.supply_good = true;
     rig->hand = *hand;
     rig->random = 1;

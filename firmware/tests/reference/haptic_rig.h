@@ -13,6 +13,7 @@ typedef struct haptic_hand {
 } haptic_hand;
 
 typedef struct haptic_rig {
+    crn_instrument tool_table[CRN_TABLE_MAX];
     crn_app app;
     crn_port port;
     crn_port_inputs inputs;

@@ -52,10 +52,14 @@ static session *start(uint32_t tool_count, uint32_t number)
     const reference_piece left[] = {{0.08, 1.2, 0}, {0.2, 0.5, 0.4}};
     const reference_piece right[] = {{0.08, 0.9, 3.14}, {0.2, -0.6, 1}};
     const uint32_t inserted_um[] = {60000, 40000, 20000};
-    const crn_instrument tools[] = {
+    crn_instrument tools[] = {
         make_tool(number % 4 == 0 ? 2e-6 : 1e-5, shaft_N_m2[number % 5], number % 2 ? 66 : 0, 20, 445, 0),
         make_tool(2e-4, 4e-4 + 1e-4 * (number % 6), 30, 40, 800, 500),
         make_tool(5e-4, 8e-4, number % 2 ? 0 : 15, 40, 1150, 850)};
+    if (number >= REFERENCE_HANDS_WITH_MATERIALS) {
+        tools[0].material = (crn_material){CRN_SUPERELASTIC, 5000, 60000, 100, 400, 6000};
+        tools[1].material = tools[2].material = (crn_material){CRN_PLASTIC, 8000, 40000, 100, 0, 0};
+    }
     crn_entry entry = reference_entry();
     crn_build_place place;
     session *s = calloc(1, sizeof *s);
@@ -107,11 +111,13 @@ void reference_random_hands(uint32_t tool_count, uint32_t number, int ticks, ref
         double depth_mm = 1e3 * s->output.penetration_max_m_q30 / Q30;
         if (t % EXACT_EVERY == 0) depth_mm = fmax(depth_mm, exact_depth_mm(s));
         result->ticks++;
+        result->saturated += (s->output.fault_bits & CRN_FAULT_SATURATED) != 0;
         result->deep += depth_mm > 1;
         result->long_045 += strain_pct > 0.45;
         result->strain_max_pct = fmax(result->strain_max_pct, strain_pct);
         result->depth_max_mm = fmax(result->depth_max_mm, depth_mm);
     }
+    result->sets_bits |= s->state.words.set.used_bits;
     reference_tube_free(s->vessel);
     free(s);
 }

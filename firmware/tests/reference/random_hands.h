@@ -7,11 +7,17 @@
 
 #include <stdint.h>
 
+/* From this session number on, the innermost tool is of nitinol and the others of a soft metal, and all of
+ * them yield. */
+enum { REFERENCE_HANDS_WITH_MATERIALS = 1000 };
+
 typedef struct reference_hands_result {
     int ticks;
     int deep;     /* ticks with a tool more than 1 mm beyond the wall, by the core or by the exact distance */
     int long_045; /* ticks with more than 0.45 % length error */
     double strain_max_pct, depth_max_mm;
+    int saturated;      /* ticks with the fault CRN_FAULT_SATURATED */
+    uint32_t sets_bits; /* bit k: tool k kept a set in some session */
 } reference_hands_result;
 
 /* Simulates `ticks` ticks of session number `session` and adds their results to `result`. The stiffness, tip

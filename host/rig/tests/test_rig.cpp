@@ -133,7 +133,7 @@ void info_and_log_say_what_the_device_says(void **)
     assert_int_equal(
         b.user.run([&](const crn::RigTalk &talk) { return crn::rig_info(b.link, b.hello, b.options, talk); }),
         0);
-    for (const char *part : {"protocol 6.", "LOCKSTEP, FREE_RUN", "READY", "track 3", "8.000 N, 20.000 N mm"})
+    for (const char *part : {"protocol 7.", "LOCKSTEP, FREE_RUN", "READY", "track 3", "8.000 N, 20.000 N mm"})
         b.user.expect(part);
     b.options.json = true;
     assert_int_equal(

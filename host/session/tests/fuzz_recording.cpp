@@ -71,13 +71,20 @@ void put(std::uint8_t *place, std::uint64_t value, int bytes)
     for (int i = 0; i < bytes; i++) place[i] = static_cast<std::uint8_t>(value >> (8 * i));
 }
 
+std::uint64_t schema_of(char version)
+{
+    if (version == magic[7]) return crn_wire_schema_hash();
+    if (version == protocol_6_version) return schema_of_protocol_6;
+    return version == protocol_5_version ? schema_of_protocol_5 : schema_of_protocol_4;
+}
+
 // Corrects the checksums of all chunks, the version number, and the schema hash in the first chunk.
 void seal(std::vector<std::uint8_t> &bytes, char version = magic[7])
 {
     if (bytes.size() < 8) return;
     std::copy_n(magic, 8, bytes.begin());
     bytes[7] = static_cast<std::uint8_t>(version);
-    const std::uint64_t schema = version == magic[7] ? crn_wire_schema_hash() : schema_of_protocol_4;
+    const std::uint64_t schema = schema_of(version);
     for (std::size_t at = 8; bytes.size() - at >= chunk_head_bytes + chunk_tail_bytes;) {
         std::uint8_t *chunk = bytes.data() + at;
         const std::size_t count = chunk[4] | chunk[5] << 8 | chunk[6] << 16 | std::size_t{chunk[7]} << 24;
@@ -106,7 +113,23 @@ class Writer
     std::vector<std::uint8_t> bytes;
 };
 
-std::vector<std::uint8_t> head(unsigned tools)
+// Puts an instrument with two knots. Before the present version, an instrument had no material, and before
+// protocol 6, it had no lengths of the whole tool either.
+void put_table(crn_wire_writer &writer, char version)
+{
+    crn_wire_instrument table{};
+    table.knots_count = 2;
+    table.knots[1].arc_um = 1500000;
+    std::vector<std::uint8_t> bytes(CRN_WIRE_BYTES_instrument);
+    crn_wire_writer present = crn_wire_writer_make(bytes.data(), bytes.size());
+    crn_wire_put_instrument(&present, &table);
+    constexpr std::size_t material = 1 + 5 * 4, lengths = 2 * 4;
+    bytes.resize(present.length - (version < magic[7] ? material : 0) -
+                 (version < protocol_6_version ? lengths : 0));
+    for (const std::uint8_t byte : bytes) crn_wire_write(&writer, byte, 1);
+}
+
+std::vector<std::uint8_t> head(unsigned tools, char version = magic[7])
 {
     std::vector<std::uint8_t> bytes(4096);
     crn_wire_writer writer = crn_wire_writer_make(bytes.data(), bytes.size());
@@ -119,10 +142,7 @@ std::vector<std::uint8_t> head(unsigned tools)
     for (unsigned k = 0; k < tools; k++) {
         put_text(writer, "wire");
         put_double(writer, 1.5);
-        crn_wire_instrument table{};
-        table.knots_count = 2;
-        table.knots[1].arc_um = 1500000;
-        crn_wire_put_instrument(&writer, &table);
+        put_table(writer, version);
         crn_wire_write(&writer, 1, 2);
         put_double(writer, 0.0);
         put_double(writer, 1.5);
@@ -130,6 +150,7 @@ std::vector<std::uint8_t> head(unsigned tools)
         put_double(writer, 1.0);
         put_double(writer, 1.0);
     }
+    if (version >= protocol_6_version) crn_wire_write(&writer, 0, 1); // the tools are the line
     crn_wire_entry entry{};
     entry.inserted_um_count = static_cast<std::uint16_t>(tools);
     crn_wire_put_entry(&writer, &entry);
@@ -178,11 +199,23 @@ std::vector<std::uint8_t> old_ticks(unsigned tools, std::uint32_t first, std::ui
     return bytes;
 }
 
+// Makes a recording of protocol 5 or 6.
+std::vector<std::uint8_t> previous_file(unsigned tools, char version)
+{
+    Writer file;
+    file.chunk(HEAD, head(tools, version));
+    file.chunk(TICKS, ticks(tools, 0, 3));
+    file.chunk(SNAPSHOT, words({3, version == protocol_6_version ? 4u : 3u, 8, 9}));
+    file.chunk(END, words({3, 1, 2}));
+    seal(file.bytes, version);
+    return file.bytes;
+}
+
 // Makes a recording of version 2 that includes one chunk of a kind that only version 2 had.
 std::vector<std::uint8_t> old_file(unsigned tools)
 {
     Writer file;
-    file.chunk(HEAD, head(tools));
+    file.chunk(HEAD, head(tools, oldest_version));
     file.chunk(TICKS, old_ticks(tools, 0, 3));
     std::vector<std::uint8_t> view = words({3, 0x01010001, 2, 3, 4, 5, 6, 7});
     view.resize(view_bytes);
@@ -210,7 +243,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t *bytes, std::size_t count)
 
 std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_t capacity)
 {
-    if (index >= 9) return 0;
+    if (index >= 13) return 0;
     const unsigned tools = 1 + index % 3;
     Writer file;
     file.chunk(HEAD, head(tools));
@@ -228,6 +261,8 @@ std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_t capacity)
     if (index >= 5) file.chunk(END, words({5, 1, 2}));
     seal(file.bytes);
     if (index >= 6) file.bytes = old_file(tools);
+    if (index >= 9)
+        file.bytes = previous_file(tools, index % 2 == 0 ? protocol_5_version : protocol_6_version);
     if (file.bytes.size() > capacity) return 0;
     std::copy(file.bytes.begin(), file.bytes.end(), bytes);
     return file.bytes.size();

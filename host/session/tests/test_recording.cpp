@@ -263,13 +263,13 @@ void a_flipped_bit_is_never_taken_for_a_complete_recording(void **)
 void other_files_and_newer_versions_are_refused_by_name(void **)
 {
     std::vector<std::uint8_t> bytes = session().bytes;
-    bytes[7] = '6';
+    bytes[7] = '7';
     try {
         crn::parse_recording(bytes, "x.rec");
         fail_msg("a newer version was accepted");
     } catch (const crn::RecordingError &error) {
         assert_true(error.fault == crn::RecordingFault::newer_version);
-        assert_non_null(strstr(error.what(), "x.rec: is a recording of version '6'"));
+        assert_non_null(strstr(error.what(), "x.rec: is a recording of version '7'"));
     }
     bytes[0] = 'X';
     try {

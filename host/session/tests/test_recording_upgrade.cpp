@@ -17,6 +17,7 @@
 #include <unistd.h>
 #include <vector>
 
+#include "firmware/core/core.h"
 #include "host/base/pending_file.hpp"
 #include "host/base/text.hpp"
 #include "host/model/order_queue.hpp"
@@ -87,19 +88,19 @@ void expect_refusal(const Bytes &bytes, RecordingFault fault, const char *text)
     }
 }
 
-// Plays a converted recording to its end. The old files are those of core version 15. A later core computes
-// other hashes from the same inputs, so there the replay must end as a device ends that gets these inputs one
-// by one. That the inputs are those of the old file is the subject of the tests below.
-crn::ReplayResult play(const crn::Recording &recording)
+// Plays a converted recording to its end. The old files are those of core versions 15 and 17. A later core
+// computes other hashes from the same inputs, so there the replay must end as a device ends that gets these
+// inputs one by one. That the inputs are those of the old file is the subject of the tests below.
+crn::ReplayResult play(const crn::Recording &recording, std::uint32_t core_version = 15)
 {
     const crn::RecordingHeader &header = recording.header;
-    assert_int_equal(header.core_version, 15);
-    crn::Device device(crn::read_scene(""), header.tools, header.entry, header.rig);
+    assert_int_equal(header.core_version, core_version);
+    crn::Device device(crn::read_scene(""), header.tools, header.entry, header.rig, {}, header.line);
     crn::ReplaySettings settings;
     settings.verifies = device.identity().core_version == header.core_version;
     const crn::ReplayResult result = crn::replay_recording(device, recording, nullptr, nullptr, settings);
     if (result.first_difference_tick) fail_msg("%s", result.difference.c_str());
-    crn::Device other(crn::read_scene(""), header.tools, header.entry, header.rig);
+    crn::Device other(crn::read_scene(""), header.tools, header.entry, header.rig, {}, header.line);
     for (const crn::RecordedTick &tick : recording.ticks) other.step(std::span(&tick.input, 1), false);
     assert_true(result.hash == other.read_hash64().hash);
     assert_int_equal(result.tick, recording.ticks.size());
@@ -109,7 +110,8 @@ crn::ReplayResult play(const crn::Recording &recording)
 
 void opening_an_old_recording_names_the_command_that_converts_it(void **)
 {
-    for (const char *begin : {"CRN-REC3", "CRN-REC2", "\x53\x45\x4c\x44REC3", "\x53\x45\x4c\x44REC2"}) {
+    for (const char *begin :
+         {"CRN-REC5", "CRN-REC4", "CRN-REC3", "CRN-REC2", "\x53\x45\x4c\x44REC3", "\x53\x45\x4c\x44REC2"}) {
         Bytes bytes = old_bytes();
         std::copy_n(begin, 8, bytes.begin());
         try {
@@ -123,11 +125,22 @@ void opening_an_old_recording_names_the_command_that_converts_it(void **)
     }
 }
 
+void expect_elastic_tools(const crn::Recording &recording)
+{
+    for (const crn::Instrument &tool : recording.header.tools) {
+        const crn_wire_instrument &table = tool.table;
+        assert_int_equal(table.material_kind, 0);
+        assert_int_equal(table.yield_strain_micro + table.core_modulus_MPa, 0);
+        assert_int_equal(table.hardening_milli + table.unload_milli + table.limit_milli, 0);
+    }
+}
+
 void a_converted_recording_is_played(void **)
 {
     const crn::Recording recording = upgraded(old_bytes());
     assert_true(recording.is_complete);
     assert_int_equal(recording.ticks.size(), ticks_count);
+    expect_elastic_tools(recording);
     assert_true(recording.hashes.back().hash == final_hash);
     play(recording);
     assert_int_equal(recording.commands.size(), 2);
@@ -144,7 +157,7 @@ void what_was_nothing_costs_nothing_any_more(void **)
         for (const crn_wire_order &order : crn::orders_of(tick.input))
             orders_bytes += order.kind == CRN_WIRE_KIND_strut ? 19 : 4;
     assert_int_equal(orders_bytes, 9 * 19 + 2 * 4);
-    const std::size_t added_to_header = 2 * 4 + 1; // two lengths of its tool, and the empty line
+    const std::size_t added_to_header = 2 * 4 + 1 + 21; // two lengths of its tool, the empty line, a material
     assert_int_equal(old_bytes().size() + added_to_header - bytes.size(),
                      ticks_count * (old_tick_bytes - 31) - orders_bytes);
 }
@@ -266,27 +279,65 @@ void a_recording_of_protocol_5_is_played(void **)
     play(recording);
 }
 
-// Converts a present snapshot to protocol 5, without the release of each tool and without the five words
-// about the tools in use before the core's nodes.
-Bytes snapshot_of_protocol_5(const Bytes &now)
+// A program with protocol 6 wrote the file protocol_6.rec: about 1.1 s of a session whose table has a
+// guidewire, a balloon and a guiding catheter. The balloon is put on the line after 16 ms.
+const Bytes &protocol_6_bytes()
 {
-    constexpr std::ptrdiff_t nodes = 388 * 84, exchange = 5 * 4;
-    Bytes old(now.begin(), now.begin() + 12);
-    old[0] = 3;
-    for (std::ptrdiff_t k = 0; k < 3; k++)
-        old.insert(old.end(), now.begin() + 12 + 120 * k, now.begin() + 12 + 120 * k + 108);
-    old.insert(old.end(), now.begin() + 12 + 120 * 3, now.end() - nodes - exchange);
-    old.insert(old.end(), now.end() - nodes, now.end());
+    static const Bytes bytes = crn::read_binary_file("host/session/tests/protocol_6.rec");
+    return bytes;
+}
+
+void a_recording_of_protocol_6_is_played(void **)
+{
+    const crn::Recording recording = upgraded(protocol_6_bytes());
+    assert_true(recording.is_complete);
+    const crn::RecordingHeader &header = recording.header;
+    assert_int_equal(header.tools.size(), 3);
+    assert_true(header.line == (crn::LineNumbers{1, 0, 3}));
+    assert_int_equal(header.tools[1].table.balloon_count, 7);
+    assert_int_equal(header.tools[1].table.balloon[2].pressure_kPa, 800);
+    assert_int_equal(header.tools[1].table.whole_um, 1400000);
+    assert_int_equal(header.tools[2].table.knots[1].radius_inner_um, 900);
+    assert_true(header.tools[0].layers.size() >= 4);
+    expect_elastic_tools(recording);
+    assert_int_equal(recording.ticks.size(), 1116);
+    play(recording, 17);
+}
+
+// Converts a present snapshot to protocol 6, without the sets of the tools before the core's nodes.
+constexpr std::ptrdiff_t nodes_bytes = 388 * 84, sets_bytes = 4 + CRN_TOOL_MAX * CRN_SET_CELL_MAX * 8;
+
+Bytes snapshot_of_protocol_6(const Bytes &now)
+{
+    Bytes old(now.begin(), now.end() - nodes_bytes - sets_bytes);
+    old[0] = 4;
+    old.insert(old.end(), now.end() - nodes_bytes, now.end());
     return old;
 }
 
-void a_snapshot_of_protocol_5_becomes_the_present_one(void **)
+// Converts a snapshot of protocol 6 to protocol 5, without the release of each tool and without the five
+// words about the tools in use before the core's nodes.
+Bytes snapshot_of_protocol_5(const Bytes &now)
 {
-    const crn::Recording whole = upgraded(protocol_5_bytes());
+    const Bytes newer = snapshot_of_protocol_6(now);
+    constexpr std::ptrdiff_t exchange = 5 * 4;
+    Bytes old(newer.begin(), newer.begin() + 12);
+    old[0] = 3;
+    for (std::ptrdiff_t k = 0; k < 3; k++)
+        old.insert(old.end(), newer.begin() + 12 + 120 * k, newer.begin() + 12 + 120 * k + 108);
+    old.insert(old.end(), newer.begin() + 12 + 120 * 3, newer.end() - nodes_bytes - exchange);
+    old.insert(old.end(), newer.end() - nodes_bytes, newer.end());
+    return old;
+}
+
+// Plays an old recording up to its second chunk of ticks, puts an old snapshot of that state into the file,
+// and compares the converted snapshot with the state.
+void expect_snapshot_converted(const Bytes &old, Bytes (*as_old)(const Bytes &now))
+{
+    const crn::Recording whole = upgraded(old);
     const crn::RecordingHeader &header = whole.header;
-    crn::Device device(crn::read_scene(""), header.tools, header.entry, header.rig);
+    crn::Device device(crn::read_scene(""), header.tools, header.entry, header.rig, {}, header.line);
     std::vector<crn_wire_tick_input> inputs;
-    const Bytes &old = protocol_5_bytes();
     const std::size_t at = chunk_of(old, kind_ticks), first = word_at(old, at + 12);
     for (std::size_t i = 0; i < first; i++) {
         inputs.push_back(whole.ticks[i].input);
@@ -294,7 +345,7 @@ void a_snapshot_of_protocol_5_becomes_the_present_one(void **)
         device.step(inputs, false);
         inputs.clear();
     }
-    const Bytes now = device.read_snapshot(), snapshot = snapshot_of_protocol_5(now);
+    const Bytes now = device.read_snapshot(), snapshot = as_old(now);
     constexpr std::uint32_t kind_snapshot = 4;
     Bytes chunk(8 + 4 + snapshot.size() + 4);
     put_word(chunk, 0, kind_snapshot);
@@ -309,6 +360,46 @@ void a_snapshot_of_protocol_5_becomes_the_present_one(void **)
     assert_int_equal(recording.snapshots.size(), 1);
     assert_true(recording.snapshots[0].bytes == now);
     device.restore(recording.snapshots[0].bytes);
+}
+
+void snapshots_of_old_protocols_become_the_present_one(void **)
+{
+    expect_snapshot_converted(protocol_5_bytes(), snapshot_of_protocol_5);
+    expect_snapshot_converted(protocol_6_bytes(), snapshot_of_protocol_6);
+}
+
+// The line of a recording of protocol 6 follows its tools. A line that cannot be, and a tool that is cut off,
+// are refused.
+void damaged_heads_of_protocol_6_are_refused(void **)
+{
+    const Bytes &good = protocol_6_bytes();
+    const std::size_t head = chunk_of(good, kind_head), end = head + 8 + word_at(good, head + 4);
+    const std::array<std::uint8_t, 4> line = {3, 1, 0, 3};
+    const auto place =
+        std::find_end(good.begin() + static_cast<std::ptrdiff_t>(head),
+                      good.begin() + static_cast<std::ptrdiff_t>(end), line.begin(), line.end());
+    assert_true(place != good.begin() + static_cast<std::ptrdiff_t>(end));
+    const std::size_t at = static_cast<std::size_t>(place - good.begin());
+    for (const std::uint8_t count : {std::uint8_t{4}, std::uint8_t{255}}) {
+        Bytes bytes = good;
+        bytes[at] = count;
+        seal(bytes, head);
+        expect_refusal(bytes, RecordingFault::inconsistent, "a line that cannot be");
+    }
+    Bytes bytes = good;
+    bytes[at + 1] = 9; // a tool that is not in the table
+    seal(bytes, head);
+    expect_refusal(bytes, RecordingFault::inconsistent, "a line that cannot be");
+    bytes = good;
+    const std::size_t tools_at = head + 8 + 4 + 8 + 8 + 2 + word_at(good, head + 8 + 4 + 8 + 8) % 65536 + 2 +
+                                 std::strlen("exchange.session");
+    assert_int_equal(bytes[tools_at], 3);
+    bytes[tools_at] = 8; // tools that do not exist
+    seal(bytes, head);
+    expect_refusal(bytes, RecordingFault::inconsistent, "a tool is cut off");
+    bytes[tools_at] = 9;
+    seal(bytes, head);
+    expect_refusal(bytes, RecordingFault::inconsistent, "it has 9 tools");
 }
 
 // The test flips one bit at a time, and tries chunks with correct checksums and wrong contents.
@@ -349,8 +440,8 @@ void other_versions_and_schemas_are_refused_by_name(void **)
     expect_refusal(bytes, RecordingFault::newer_version,
                    "was written with another wire schema (file fe912b8c91b717ba");
     bytes = old_bytes();
-    bytes[7] = '6';
-    expect_refusal(bytes, RecordingFault::newer_version, "is a recording of version '6'");
+    bytes[7] = '7';
+    expect_refusal(bytes, RecordingFault::newer_version, "is a recording of version '7'");
     bytes[7] = '1';
     expect_refusal(bytes, RecordingFault::newer_version, "is a recording of version '1'");
     bytes[0] = 'X';
@@ -402,7 +493,9 @@ int main()
         cmocka_unit_test(a_recording_from_before_the_renaming_is_converted),
         cmocka_unit_test(what_was_cut_off_stays_cut_off),
         cmocka_unit_test(a_recording_of_protocol_5_is_played),
-        cmocka_unit_test(a_snapshot_of_protocol_5_becomes_the_present_one),
+        cmocka_unit_test(a_recording_of_protocol_6_is_played),
+        cmocka_unit_test(snapshots_of_old_protocols_become_the_present_one),
+        cmocka_unit_test(damaged_heads_of_protocol_6_are_refused),
         cmocka_unit_test(damage_is_refused),
         cmocka_unit_test(other_versions_and_schemas_are_refused_by_name),
         cmocka_unit_test(a_file_is_converted_whole_or_not_at_all),

@@ -151,7 +151,7 @@ def chunks(data):
 
 
 def sealed(parts):
-    out = b"CRN-REC5"
+    out = b"CRN-REC6"
     for kind, payload in parts:
         head = struct.pack("<2I", kind, len(payload))
         out += head + payload + struct.pack("<I", zlib.crc32(head + payload))

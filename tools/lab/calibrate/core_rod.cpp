@@ -21,6 +21,12 @@ crn_instrument tool_of(const crn_wire_instrument &table)
     tool.element_tip_um = table.element_tip_um;
     tool.element_shaft_um = table.element_shaft_um;
     tool.element_fine_um = table.element_fine_um;
+    tool.material = {.kind = table.material_kind,
+                     .yield_strain_micro = table.yield_strain_micro,
+                     .core_modulus_MPa = table.core_modulus_MPa,
+                     .hardening_milli = table.hardening_milli,
+                     .unload_milli = table.unload_milli,
+                     .limit_milli = table.limit_milli};
     for (unsigned i = 0; i < table.knots_count; i++) {
         const crn_wire_knot &from = table.knots[i];
         crn_knot &to = tool.knots[i];

@@ -43,7 +43,10 @@ static size_t transmit_room(void *context)
     return crn_rig_usb_is_configured(&usb) ? crn_rig_usb_room(context) : pipe_room(context);
 }
 
+static crn_instrument tool_table[CRN_TABLE_MAX];
+
 static crn_port port = {
+    .tool_table = tool_table,
     .context = &usb,
     .transmit = transmit,
     .transmit_room = transmit_room,
