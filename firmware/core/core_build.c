@@ -340,7 +340,7 @@ static crn_build_status choose_exponent(crn_model *model)
 static crn_build_status check_cell(const crn_model *model, const crn_span *span, uint32_t i,
                                    int32_t arc_m_q30)
 {
-    int32_t cell = model->mesh[i].cell_end_m_q30 - (i > 0 ? model->mesh[i - 1].cell_end_m_q30 : 0);
+    int32_t cell = model->mesh[i].cell_end_m_q30 - crn_cell_begin(model, i);
     int32_t fraction = crn_span_fraction(span, arc_m_q30);
     int64_t turn1 = crn_mul(crn_span_value(span, CRN_CURVE1_PER_M_Q20, fraction), cell, 20);
     int64_t turn2 = crn_mul(crn_span_value(span, CRN_CURVE2_PER_M_Q20, fraction), cell, 20);
@@ -377,9 +377,7 @@ static crn_build_status check_reach(const crn_model *model, uint32_t k, const cr
     uint32_t span = 0;
     for (uint32_t i = 0; i < model->node_count && model->mesh[i].arc_m_q30 <= tool->length_m_q30; i++) {
         int32_t arc = model->mesh[i].arc_m_q30;
-        while (span + 1 < tool->span_count && tool->spans[span].end_m_q30 <= arc) {
-            span++;
-        }
+        crn_span_seek(tool, &span, arc);
         crn_build_status status = check_cell(model, &tool->spans[span], i, arc);
         if (status != CRN_BUILD_OK) {
             place->knot = knot_before(instrument, arc);

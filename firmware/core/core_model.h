@@ -183,6 +183,12 @@ static inline const crn_tool *crn_tool_on(const crn_model *model, uint32_t posit
     return &model->table[model->on_line[position]].tool;
 }
 
+/* Returns where the cell of node i begins, behind the leading tip. */
+static inline int32_t crn_cell_begin(const crn_model *model, uint32_t i)
+{
+    return i > 0 ? model->mesh[i - 1].cell_end_m_q30 : 0;
+}
+
 /* The function crn_model_set_tip_load, for validation cases, puts a constant force on the tip. The force is
  * given in newtons (Q22), in the patient frame, and is at most 100 N along each axis. */
 void crn_model_set_tip_load(crn_model *model, crn_vec3 load_N_q22);

@@ -25,6 +25,15 @@ static inline int32_t crn_clamp(int32_t value, int32_t low, int32_t high)
 
 /* --- a tool's properties along its arc length ----------------------------------------------------------- */
 
+/* Moves *span on to the span in which an arc length of the tool lies; beyond the tool's end, to the last one.
+ */
+static inline void crn_span_seek(const crn_tool *tool, uint32_t *span, int32_t arc_m_q30)
+{
+    while (*span + 1 < tool->span_count && tool->spans[*span].end_m_q30 <= arc_m_q30) {
+        (*span)++;
+    }
+}
+
 /* Returns where an arc length lies within a span of a tool, as a fraction in Q30, limited to the span's ends.
  */
 static inline int32_t crn_span_fraction(const crn_span *span, int32_t arc_m_q30)
@@ -241,6 +250,17 @@ int32_t crn_exchange_inserted_max(const crn_model *model, const crn_state_words 
 uint32_t crn_exchange_balls(const crn_model *model, const crn_state_words *words);
 
 /* --- parts of the tick, continued ----------------------------------------------------------------------- */
+
+/* Holds integrals of properties over a part of one tool. */
+typedef struct crn_stretch {
+    int64_t bend_q32,
+        twist_q32; /* ds / EI, ds / GJ: 1 / (N m); in a divided cell bend is the share of ds in EI_k / EI */
+    int64_t turn1_q30, turn2_q30;
+} crn_stretch;
+
+/* Returns the integrals of a tool's properties between two of its own arc lengths, from the given span on
+ * (rod_line.c). */
+crn_stretch crn_tool_integrate(const crn_tool *tool, uint32_t span, int32_t from, int32_t to);
 
 /* Computes the combined joints, edges and surfaces of all tools at their present positions (rod_line.c). A
  * node keeps its values while, in its cell, each tool stays where it was, stays away, or slides within a part

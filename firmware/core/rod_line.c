@@ -22,13 +22,6 @@ typedef struct walk {
     uint32_t span[CRN_TOOL_MAX];
 } walk;
 
-/* Holds integrals of properties over a part of one tool. */
-typedef struct stretch {
-    int64_t bend_q32,
-        twist_q32; /* ds / EI, ds / GJ: 1 / (N m); in a divided cell bend is the share of ds in EI_k / EI */
-    int64_t turn1_q30, turn2_q30;
-} stretch;
-
 typedef struct cell {
     int32_t begin, end; /* Q30 m behind the leading tip */
 } cell;
@@ -38,19 +31,12 @@ static int32_t turn_of(int32_t per_m_q20, int32_t length_m_q30)
     return crn_mul(per_m_q20, length_m_q30, 20);
 }
 
-static void seek(const crn_tool *tool, uint32_t *span, int32_t arc_m_q30)
-{
-    while (*span + 1 < tool->span_count && tool->spans[*span].end_m_q30 <= arc_m_q30) {
-        (*span)++;
-    }
-}
-
 /* Returns the integrals of a tool's properties between two of its own arc lengths. For the part of the tool
  * that lies in one span, the code uses the property's value in the middle of this part. */
-static stretch integrate(const crn_tool *tool, uint32_t span, int32_t from, int32_t to)
+crn_stretch crn_tool_integrate(const crn_tool *tool, uint32_t span, int32_t from, int32_t to)
 {
-    stretch sum = {0, 0, 0, 0};
-    seek(tool, &span, from);
+    crn_stretch sum = {0, 0, 0, 0};
+    crn_span_seek(tool, &span, from);
     while (from < to) {
         const crn_span *s = &tool->spans[span];
         bool last = span + 1 == tool->span_count || to <= s->end_m_q30;
@@ -93,7 +79,7 @@ static int32_t whole_cell(walk *w, uint32_t k, const crn_mesh_node *mesh, cell c
     const crn_tool *tool = crn_tool_on(w->model, k);
     int32_t from = c.begin - w->line->offset_m_q30[k];
     int32_t to = c.end - w->line->offset_m_q30[k];
-    seek(tool, &w->span[k], from);
+    crn_span_seek(tool, &w->span[k], from);
     const crn_span *s = &tool->spans[w->span[k]];
     if (to <= s->end_m_q30 || w->span[k] + 1 == tool->span_count) {
         int32_t fraction = s->flat ? 0 : crn_span_fraction(s, from + (to - from) / 2);
@@ -103,7 +89,7 @@ static int32_t whole_cell(walk *w, uint32_t k, const crn_mesh_node *mesh, cell c
         joint->turn2_q30[k] = turn_of(crn_span_value(s, CRN_CURVE2_PER_M_Q20, fraction), to - from);
         return crn_mul(crn_span_value(s, CRN_BEND_N_M2_Q35, fraction), inverse, 27);
     }
-    stretch sum = integrate(tool, w->span[k], from, to);
+    crn_stretch sum = crn_tool_integrate(tool, w->span[k], from, to);
     joint->twist_N_m_q26[k] = crn_inverse_of(sum.twist_q32, 58);
     joint->turn1_q30[k] = crn_sat32(sum.turn1_q30);
     joint->turn2_q30[k] = crn_sat32(sum.turn2_q30);
@@ -113,9 +99,9 @@ static int32_t whole_cell(walk *w, uint32_t k, const crn_mesh_node *mesh, cell c
 /* --- cells that one or more tips divide ----------------------------------------------------------------- */
 
 /* Adds the integrals over the piece [from, to] of a node's cell; no tool begins or ends within the piece. */
-static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[CRN_TOOL_MAX], int64_t *compliance)
+static void add_piece(walk *w, int32_t from, int32_t to, crn_stretch sums[CRN_TOOL_MAX], int64_t *compliance)
 {
-    stretch part[CRN_TOOL_MAX] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
+    crn_stretch part[CRN_TOOL_MAX] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
     int32_t stiffness_q35[CRN_TOOL_MAX];
     int32_t total_q35 = 0;
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
@@ -124,7 +110,7 @@ static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[CRN_TOOL_M
         if (offset > from) {
             continue;
         }
-        part[k] = integrate(crn_tool_on(w->model, k), w->span[k], from - offset, to - offset);
+        part[k] = crn_tool_integrate(crn_tool_on(w->model, k), w->span[k], from - offset, to - offset);
         stiffness_q35[k] = crn_series_stiffness_q35(to - from, part[k].bend_q32);
         total_q35 = crn_add_sat(total_q35, stiffness_q35[k]);
     }
@@ -145,7 +131,7 @@ static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[CRN_TOOL_M
  * most CRN_TOOL_MAX tips lie in the cell of a node. */
 static void divided_cell(walk *w, cell c, crn_joint *joint)
 {
-    stretch sums[CRN_TOOL_MAX] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
+    crn_stretch sums[CRN_TOOL_MAX] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
     int64_t compliance = 0;
     int32_t from = c.begin;
     for (int piece = 0; piece <= CRN_TOOL_MAX && from < c.end; piece++) {
@@ -280,7 +266,7 @@ static void build_surface(walk *w, uint32_t i, cell c)
         int32_t arc = c.begin + (c.end - c.begin) / 2 - w->line->offset_m_q30[k];
         uint32_t span = w->span[k];
         arc = arc < 0 ? 0 : arc;
-        seek(tool, &span, arc);
+        crn_span_seek(tool, &span, arc);
         const crn_span *s = &tool->spans[span];
         int32_t fraction = s->flat ? 0 : crn_span_fraction(s, arc);
         mass_kg_per_m_q34 += crn_scale_q30(crn_span_value(s, CRN_MASS_KG_PER_M_Q34, fraction), cover);
@@ -334,7 +320,7 @@ static bool is_plain(walk *w, cell c)
         if (offset >= c.end) {
             continue;
         }
-        seek(tool, &w->span[k], c.begin - offset);
+        crn_span_seek(tool, &w->span[k], c.begin - offset);
         const crn_span *s = &tool->spans[w->span[k]];
         bool one = c.end - offset <= s->end_m_q30 || w->span[k] + 1 == tool->span_count;
         if (offset > c.begin || !one || !is_straight(s)) {
@@ -456,7 +442,7 @@ static uint32_t uniform_node(const crn_model *model)
 
 static cell cell_of(const crn_model *model, uint32_t i)
 {
-    return (cell){i > 0 ? model->mesh[i - 1].cell_end_m_q30 : 0, model->mesh[i].cell_end_m_q30};
+    return (cell){crn_cell_begin(model, i), model->mesh[i].cell_end_m_q30};
 }
 
 static void build_node(walk *w, uint32_t i)

@@ -12,21 +12,22 @@
  *                (1 + g), at most to 0
  *
  * The elastic moment EI e / l is thus k_y EI at the beginning of the plateau, and r k_y EI at the end of the
- * way back. The set follows the predicted configuration of a tick and acts from the next tick on. Each step
- * of the set takes elastic energy away, so it is stable for any stiffness. */
+ * way back. The set follows the predicted configuration of a tick and acts from the next tick on. A closed
+ * loop of bends never gives energy back, so the law is stable for any stiffness. */
 #include "firmware/core/rod.h"
 
 enum { SET_MAX_Q29 = 720000000 }; /* 1.34, a turn of 68 degrees in one cell: the limit of a rest rotation */
-
-static int32_t cell_begin(const crn_model *model, uint32_t i)
-{
-    return i > 0 ? model->mesh[i - 1].cell_end_m_q30 : 0;
-}
 
 /* Returns the number of cells of a tool that can have a set. */
 static uint32_t cell_count(const crn_model *model)
 {
     return model->node_count < CRN_SET_CELL_MAX ? model->node_count : CRN_SET_CELL_MAX;
+}
+
+/* Returns whether a tool that can have sets is at a position of the line. */
+static bool can_yield(const crn_model *model, const crn_state_words *words, uint32_t k)
+{
+    return crn_has_tool(words, k) && crn_tool_on(model, k)->material.kind != CRN_ELASTIC;
 }
 
 /* --- the set in the joints ------------------------------------------------------------------------------ */
@@ -41,8 +42,8 @@ static crn_set set_between(const crn_model *model, const crn_set *cells, int32_t
     while (*cell < count && model->mesh[*cell].cell_end_m_q30 <= from) {
         (*cell)++;
     }
-    for (uint32_t i = *cell; i < count && cell_begin(model, i) < to; i++) {
-        const int32_t begin = cell_begin(model, i), end = model->mesh[i].cell_end_m_q30;
+    for (uint32_t i = *cell; i < count && crn_cell_begin(model, i) < to; i++) {
+        const int32_t begin = crn_cell_begin(model, i), end = model->mesh[i].cell_end_m_q30;
         const crn_set set = cells[i];
         if ((set.turn_q29[0] | set.turn_q29[1]) == 0) {
             continue;
@@ -81,15 +82,14 @@ static void put_set(crn_joint *joint, uint32_t k, crn_set set, int32_t share)
 void crn_set_apply(const crn_model *model, crn_state *state)
 {
     for (uint32_t k = 0; k < model->tool_count; k++) {
-        if ((state->words.set.used_bits >> k & 1u) == 0 &&
-            crn_tool_on(model, k)->material.kind == CRN_ELASTIC) {
+        if (!can_yield(model, &state->words, k)) {
             continue;
         }
         const int32_t offset = state->line.offset_m_q30[k];
         uint32_t cell = 0;
         for (uint32_t i = 1; i <= state->words.free_count + 1; i++) {
             crn_joint *joint = &state->line.nodes[i].joint;
-            const int32_t from = crn_sub_sat(cell_begin(model, i), offset);
+            const int32_t from = crn_sub_sat(crn_cell_begin(model, i), offset);
             const int32_t to = crn_sub_sat(model->mesh[i].cell_end_m_q30, offset);
             crn_set set = {{0, 0}};
             if (to > 0) {
@@ -141,35 +141,24 @@ static int32_t yield_of(const crn_tool *tool, const crn_span *span, int32_t arc_
     return crn_mul(per_m_q20, length_m_q30, 21);
 }
 
-static const crn_span *span_at(const crn_tool *tool, const crn_span *span, int32_t arc_m_q30)
-{
-    const crn_span *last = &tool->spans[tool->span_count - 1];
-    while (span < last && span->end_m_q30 <= arc_m_q30) {
-        span++;
-    }
-    return span;
-}
-
 void crn_set_mark(const crn_model *model, crn_state *state)
 {
     for (uint32_t k = 0; k < model->tool_count; k++) {
         const crn_tool *tool = crn_tool_on(model, k);
-        const crn_span *span = tool->spans;
-        if (tool->material.kind == CRN_ELASTIC || !crn_has_tool(&state->words, k)) {
+        uint32_t span = 0;
+        if (!can_yield(model, &state->words, k)) {
             continue;
         }
         for (uint32_t i = 1; i + 1 < state->words.free_count; i++) {
             crn_joint *joint = &state->line.nodes[i].joint;
             const int32_t arc = model->mesh[i].arc_m_q30 - state->line.offset_m_q30[k];
-            const int32_t has_rest =
-                joint->turn1_q30[k] | joint->turn2_q30[k] | joint->set_q14[k][0] | joint->set_q14[k][1];
-            joint->curved = (joint->curved & ~(1u << k)) | (uint32_t)(has_rest != 0) << k;
-            if (arc <= 0 || arc >= model->mesh[cell_count(model) - 1].cell_end_m_q30 || has_rest != 0) {
+            if (arc <= 0 || arc >= model->mesh[cell_count(model) - 1].cell_end_m_q30 ||
+                (joint->curved >> k & 1u) != 0) {
                 continue;
             }
-            span = span_at(tool, span, arc);
-            const int32_t yield =
-                yield_of(tool, span, arc, model->mesh[i].cell_end_m_q30 - cell_begin(model, i));
+            crn_span_seek(tool, &span, arc);
+            const int32_t yield = yield_of(tool, &tool->spans[span], arc,
+                                           model->mesh[i].cell_end_m_q30 - crn_cell_begin(model, i));
             const crn_vec3 bend = crn_joint_bend(state, i);
             if (crn_vec3_dot64(bend, bend) > crn_product(yield, yield)) {
                 joint->curved |= 1u << k;
@@ -265,21 +254,13 @@ static void transform(const crn_material_law *law, crn_set elastic, int32_t yiel
  * point of the cell would make it yield for ever. */
 static crn_set rest_of(const crn_state *state, const crn_tool *tool, int32_t from, int32_t to)
 {
-    int64_t turn[2] = {0, 0};
-    const crn_span *span = span_at(tool, tool->spans, from);
-    while (from < to) {
-        const bool is_last = span == &tool->spans[tool->span_count - 1] || to <= span->end_m_q30;
-        const int32_t until = is_last ? to : span->end_m_q30;
-        const int32_t fraction = crn_span_fraction(span, from + (until - from) / 2);
-        turn[0] += crn_mul(crn_span_value(span, CRN_CURVE1_PER_M_Q20, fraction), until - from, 20);
-        turn[1] += crn_mul(crn_span_value(span, CRN_CURVE2_PER_M_Q20, fraction), until - from, 20);
-        from = until;
-        span++;
-    }
+    const crn_stretch part = crn_tool_integrate(tool, 0, from, to);
+    const int64_t turn_q30[2] = {part.turn1_q30, part.turn2_q30};
     crn_set rest;
     for (int c = 0; c < 2; c++) {
-        rest.turn_q29[c] =
-            crn_scale_q30(crn_rest_turn_of(crn_limit_turn(crn_sat32(turn[c]))), state->words.release_q30) / 2;
+        rest.turn_q29[c] = crn_scale_q30(crn_rest_turn_of(crn_limit_turn(crn_sat32(turn_q30[c]))),
+                                         state->words.release_q30) /
+                           2;
     }
     return rest;
 }
@@ -289,14 +270,14 @@ static void follow_cell(const crn_model *model, crn_state *state, uint32_t k, ui
                         const crn_span *span)
 {
     crn_set *kept = &state->words.set.cells[k][cell];
-    const int32_t length = model->mesh[cell].cell_end_m_q30 - cell_begin(model, cell);
+    const int32_t length = model->mesh[cell].cell_end_m_q30 - crn_cell_begin(model, cell);
     const int32_t arc = model->mesh[cell].arc_m_q30;
     const int32_t yield = yield_of(crn_tool_on(model, k), span, arc, length);
     const crn_set rest =
-        rest_of(state, crn_tool_on(model, k), cell_begin(model, cell), model->mesh[cell].cell_end_m_q30);
+        rest_of(state, crn_tool_on(model, k), crn_cell_begin(model, cell), model->mesh[cell].cell_end_m_q30);
     crn_set set = *kept;
     crn_set elastic = bend_of(state, k, i);
-    const int32_t there = model->mesh[i].cell_end_m_q30 - cell_begin(model, i);
+    const int32_t there = model->mesh[i].cell_end_m_q30 - crn_cell_begin(model, i);
     for (int c = 0; c < 2; c++) {
         int32_t bend = elastic.turn_q29[c];
         bend = there == length ? bend : crn_mul(bend, crn_quotient(length, there, 24), 24);
@@ -317,10 +298,10 @@ void crn_set_follow(const crn_model *model, crn_state *state)
 {
     for (uint32_t k = 0; k < model->tool_count; k++) {
         const crn_tool *tool = crn_tool_on(model, k);
-        if (tool->material.kind == CRN_ELASTIC || !crn_has_tool(&state->words, k)) {
+        if (!can_yield(model, &state->words, k)) {
             continue;
         }
-        const crn_span *span = tool->spans;
+        uint32_t span = 0;
         uint32_t i = 1;
         for (uint32_t cell = 1; cell < cell_count(model); cell++) {
             const int32_t arc = model->mesh[cell].arc_m_q30;
@@ -331,9 +312,9 @@ void crn_set_follow(const crn_model *model, crn_state *state)
             if (i + 1 >= state->words.free_count || arc > tool->length_m_q30) {
                 break;
             }
-            span = span_at(tool, span, arc);
+            crn_span_seek(tool, &span, arc);
             if ((state->line.nodes[i].joint.curved >> k & 1u) != 0) {
-                follow_cell(model, state, k, cell, i, span);
+                follow_cell(model, state, k, cell, i, &tool->spans[span]);
             }
         }
     }

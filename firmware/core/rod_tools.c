@@ -364,9 +364,7 @@ static void add_tool(const crn_model *model, const crn_state *state, uint32_t k,
 {
     const crn_tool *tool = crn_tool_on(model, k);
     uint32_t span = 0;
-    while (span + 1 < tool->span_count && tool->spans[span].end_m_q30 <= arc_m_q30) {
-        span++;
-    }
+    crn_span_seek(tool, &span, arc_m_q30);
     const crn_span *s = &tool->spans[span];
     int32_t fraction = crn_span_fraction(s, arc_m_q30);
     int32_t bend = crn_span_value(s, CRN_BEND_N_M2_Q35, fraction);

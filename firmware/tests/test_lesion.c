@@ -258,15 +258,23 @@ static void an_eccentric_lesion_opens_towards_the_healthy_axis(void **state)
     reference_tube_free(channel);
 }
 
+/* Returns a rig whose vessel beats with the waves of the reference, which the caller frees, too. */
+static rig *rig_in_waves(reference_motion **waves)
+{
+    rig *r = rig_make(200, 0.3);
+    const double low_m[3] = {-0.05, -0.06, -0.06}, high_m[3] = {0.12, 0.06, 0.06};
+    *waves = reference_waves_make(low_m, high_m, 23);
+    r->lumen.motion = &(*waves)->motion;
+    return r;
+}
+
 /* In a beating vessel, a point on the opened wall in the reference pose, moved by the vessel's motion, also
  * lies on the wall in patient coordinates. */
 static void an_open_lesion_goes_with_a_beating_vessel(void **state)
 {
     (void)state;
-    rig *r = rig_make(200, 0.3);
-    const double low_m[3] = {-0.05, -0.06, -0.06}, high_m[3] = {0.12, 0.06, 0.06};
-    reference_motion *waves = reference_waves_make(low_m, high_m, 23);
-    r->lumen.motion = &waves->motion;
+    reference_motion *waves;
+    rig *r = rig_in_waves(&waves);
     r->state.words.lesions = opened(0.7);
     double worst_mm = 0, farthest_mm = 0;
     for (uint32_t beat = 0; beat < 12; beat++) {
@@ -300,10 +308,8 @@ static void an_open_lesion_goes_with_a_beating_vessel(void **state)
 static void struts_go_with_a_beating_vessel(void **state)
 {
     (void)state;
-    rig *r = rig_make(200, 0.3);
-    const double low_m[3] = {-0.05, -0.06, -0.06}, high_m[3] = {0.12, 0.06, 0.06};
-    reference_motion *waves = reference_waves_make(low_m, high_m, 23);
-    r->lumen.motion = &waves->motion;
+    reference_motion *waves;
+    rig *r = rig_in_waves(&waves);
     for (int32_t i = 0; i < 10; i++) {
         const crn_strut_order order = {(uint32_t)i + 1, {30000 + 2000 * i, 0, 0}, 1500, 80, i < 9};
         assert_true(crn_state_strut(&r->state, &order));

@@ -16,26 +16,33 @@ constexpr std::size_t row_numbers = CRN_SCENE_MOTION_ROW;
 constexpr int rounds = 20;                         // of the prefilter
 constexpr std::size_t kept = motion_keyframes + 2; // keyframes stored for a moved vertex: 23, 0 .. 23, 0
 
-} // namespace
-
-void motion_prefilter(const double *w, double *c)
+// Filters `ways` sequences at once, keyframe by keyframe.
+template <std::size_t ways> void prefilter(const std::array<double, ways> *w, std::array<double, ways> *c)
 {
     constexpr int n = motion_keyframes;
     std::copy_n(w, n, c);
     for (int round = 0; round < rounds; ++round)
-        for (int k = 0; k < n; ++k) c[k] = (8 * w[k] - c[(k + n - 1) % n] - c[(k + 1) % n]) / 6;
+        for (int k = 0; k < n; ++k) {
+            const auto &before = c[(k + n - 1) % n], &after = c[(k + 1) % n];
+            for (std::size_t way = 0; way < ways; ++way)
+                c[k][way] = (8 * w[k][way] - before[way] - after[way]) / 6;
+        }
+}
+
+} // namespace
+
+void motion_prefilter(const double *w, double *c)
+{
+    std::array<std::array<double, 1>, motion_keyframes> in, out;
+    for (int k = 0; k < motion_keyframes; ++k) in[k][0] = w[k];
+    prefilter(in.data(), out.data());
+    for (int k = 0; k < motion_keyframes; ++k) c[k] = out[k][0];
 }
 
 MotionWays motion_prefilter(const MotionWays &w)
 {
-    constexpr int n = motion_keyframes;
-    MotionWays c = w;
-    for (int round = 0; round < rounds; ++round)
-        for (int k = 0; k < n; ++k) {
-            const auto &before = c[(k + n - 1) % n], &after = c[(k + 1) % n];
-            for (int way = 0; way < motion_ways; ++way)
-                c[k][way] = (8 * w[k][way] - before[way] - after[way]) / 6;
-        }
+    MotionWays c;
+    prefilter(w.data(), c.data());
     return c;
 }
 

@@ -93,6 +93,7 @@ class Walker
         std::erase_if(steps, [&](const Step &step) {
             return came && step.branch == came->branch && step.to == came->from;
         });
+        if (steps.size() < 2) return steps; // no junction
         double widest_mm = 0.0;
         for (const Step &step : steps) widest_mm = std::max(widest_mm, width_mm(step));
         std::erase_if(steps, [&](const Step &step) { return width_mm(step) < likely_share * widest_mm; });
