@@ -142,8 +142,9 @@ VtkFile::VtkFile(const std::string &text, const std::string &name) : name_(name)
     if (text.find("encoding=\"raw\"") != text.npos)
         fail("holds raw appended data, which is no XML: save it as ASCII, or with base64 (EncodeAppendedData "
              "on)");
-    const pugi::xml_parse_result result =
-        document_.load_buffer(text.data(), text.size(), pugi::parse_default | pugi::parse_declaration);
+    // Without parse_fragment, pugixml ignores text after the root element in silence.
+    const pugi::xml_parse_result result = document_.load_buffer(
+        text.data(), text.size(), pugi::parse_default | pugi::parse_declaration | pugi::parse_fragment);
     if (!result) {
         const auto end =
             text.begin() +
@@ -155,6 +156,12 @@ VtkFile::VtkFile(const std::string &text, const std::string &name) : name_(name)
     if (!has_correct_declaration(document_, text))
         fail("has an XML declaration that is not correct, such as <?xml version=\"1.0\"?> in the first line: "
              "export the file again");
+    int roots = 0;
+    for (const pugi::xml_node &node : document_) {
+        roots += node.type() == pugi::node_element;
+        if (roots > 1 || node.type() == pugi::node_pcdata || node.type() == pugi::node_cdata)
+            fail("has text outside of its root element: the file is damaged, export it again");
+    }
     // XML permits an attribute name only once in an element; if a name occurs twice, pugixml would silently
     // use the first attribute.
     TwiceNamed twice;

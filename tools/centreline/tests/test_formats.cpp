@@ -134,6 +134,11 @@ void faults_name_place_and_remedy(void **)
     says([&] { read_polyline("v 0 0 0\nf 1 1 1\n", "t.obj"); }, {"holds no line"});
     says([&] { read_polydata("<VTKFile type=\"PolyData\"><a></VTKFile>", "t.vtp"); }, {"t.vtp:1", "XML"});
     says([&] { read_polydata("<VTKFile type=\"ImageData\"/>", "t.vtp"); }, {"PolyData"});
+    const std::string whole = polydata_text(y_tree()); // XML permits one root element, and no text beside it
+    says([&] { read_polydata(whole + "le>\n", "t.vtp"); }, {"t.vtp", "outside of its root"});
+    says([&] { read_polydata("le>" + whole.substr(whole.find("<VTKFile")), "t.vtp"); },
+         {"t.vtp", "outside of its root"});
+    says([&] { read_polydata(whole + "<VTKFile/>", "t.vtp"); }, {"t.vtp", "outside of its root"});
     std::string vtp = vmtk_file(true, true);
     vtp.replace(vtp.find("MaximumInscribed"), 16, "MinimumInscribed");
     says([&] { read_polydata(vtp, "t.vtp"); }, {"MaximumInscribedSphereRadius", "VMTK"});

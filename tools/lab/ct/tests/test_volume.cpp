@@ -288,6 +288,27 @@ void other_contents_are_refused(void **)
     refused(folder.file("d.nrrd"), {"d.nrrd"});
 }
 
+// RFC 1952 permits further members after the first; gzip itself accepts zeros after the last one.
+void what_follows_compressed_values_is_refused_unless_it_is_zeros_or_a_member(void **)
+{
+    const Folder folder{"after"};
+    const fs::path file = folder.file("a.nii.gz");
+    write_volume(sample(), file);
+    const std::string whole = bytes_of(file),
+                      empty_member("\x1f\x8b\x08\0\0\0\0\0\0\x03\x03\0\0\0\0\0\0\0\0\0", 20);
+    for (const std::string &rest :
+         {std::string(600, '\0'), empty_member, empty_member + std::string(3, '\0')}) {
+        put_bytes(file, whole + rest);
+        assert_true(most_apart(sample(), read_volume(file)) < 1e-3);
+    }
+    for (const std::string &rest : {std::string("?\0", 2), std::string("\0??", 3), empty_member + "xy"}) {
+        put_bytes(file, whole + rest);
+        refused(file, {"a.nii.gz", "damaged", "export it again"});
+    }
+    put_bytes(file, whole + empty_member.substr(0, 15));
+    refused(file, {"a.nii.gz", "truncated"});
+}
+
 // Each file is either read, or refused by a Fault; with any other outcome the test fails.
 void cut_and_damaged_files_never_crash(void **)
 {
@@ -334,6 +355,7 @@ int main()
         cmocka_unit_test(truncated_series_are_refused),
         cmocka_unit_test(missing_and_uneven_slices_are_named),
         cmocka_unit_test(other_contents_are_refused),
+        cmocka_unit_test(what_follows_compressed_values_is_refused_unless_it_is_zeros_or_a_member),
         cmocka_unit_test(cut_and_damaged_files_never_crash),
     };
     cmocka_set_message_output(CM_OUTPUT_TAP);

@@ -18,6 +18,50 @@ namespace
 
 constexpr const char *implicit_syntax = "1.2.840.10008.1.2"; // the other syntaxes begin with it
 
+// Returns the number of bytes that a gzip file holds when unpacked. After its last member, only zeros may
+// follow, which pad files on tapes; zlib's gzread() ignores anything there in silence.
+std::uint64_t unpacked_bytes(const std::string &file)
+{
+    std::ifstream stream(file, std::ios::binary);
+    std::vector<unsigned char> in(1 << 16), out(1 << 16);
+    z_stream zip{};
+    if (inflateInit2(&zip, 15 + 16) != Z_OK) throw std::bad_alloc(); // accepts gzip alone
+    const std::unique_ptr<z_stream, int (*)(z_stream *)> ended(&zip, inflateEnd);
+    bool is_member_open = true;
+    std::uint64_t unpacked = 0, place = 0;
+    while (true) {
+        if (zip.avail_in == 0) {
+            stream.read(reinterpret_cast<char *>(in.data()), static_cast<std::streamsize>(in.size()));
+            zip.next_in = in.data(), zip.avail_in = static_cast<unsigned>(stream.gcount());
+        }
+        if (zip.avail_in == 0) break;
+        if (!is_member_open && *zip.next_in == 0) {
+            ++zip.next_in, --zip.avail_in, ++place;
+            continue;
+        }
+        if (!is_member_open) inflateReset(&zip);
+        const unsigned before = zip.avail_in;
+        zip.next_out = out.data(), zip.avail_out = static_cast<unsigned>(out.size());
+        const int result = inflate(&zip, Z_NO_FLUSH);
+        if (result != Z_OK && result != Z_STREAM_END)
+            throw Fault(file + ": is damaged: from byte " + std::to_string(place) +
+                        " on, it cannot be unpacked; copy or export it again");
+        place += before - zip.avail_in;
+        unpacked += out.size() - zip.avail_out;
+        is_member_open = result == Z_OK;
+    }
+    if (is_member_open)
+        throw Fault(file + ": is truncated: its compressed values end after " + std::to_string(unpacked) +
+                    " bytes without a checksum; copy or export it again");
+    return unpacked;
+}
+
+bool is_gzip(const std::string &file)
+{
+    std::ifstream stream(file, std::ios::binary);
+    return stream.get() == 0x1f && stream.get() == 0x8b;
+}
+
 } // namespace
 
 void check_plausible(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_mm,
@@ -59,14 +103,9 @@ void check_grid(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_
 void check_nifti_length(const std::string &file, std::uint64_t value_bytes)
 {
     constexpr std::uint64_t head_bytes = 348;
-    const std::unique_ptr<gzFile_s, int (*)(gzFile)> stream(gzopen(file.c_str(), "rb"), gzclose);
-    std::vector<char> block(1 << 16);
-    std::uint64_t read = 0;
-    int got = 0;
-    while (stream && (got = gzread(stream.get(), block.data(), static_cast<unsigned>(block.size()))) > 0)
-        read += static_cast<std::uint64_t>(got);
-    if (got < 0 || read < head_bytes + value_bytes)
-        throw Fault(file + ": is truncated: it ends after " + std::to_string(read) +
+    const std::uint64_t bytes = is_gzip(file) ? unpacked_bytes(file) : std::filesystem::file_size(file);
+    if (bytes < head_bytes + value_bytes)
+        throw Fault(file + ": is truncated: it ends after " + std::to_string(bytes) +
                     " bytes, its header promises " + std::to_string(head_bytes + value_bytes) +
                     " or more; copy or export it again");
 }
