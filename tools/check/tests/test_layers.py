@@ -105,7 +105,18 @@ ALLOWED = {
     "host/effects": ["host/model", "host/base", "shared"],
     "host/room": ["host/xray", "host/base"],
     "host/stent": ["host/model", "host/base"],  # and libccd
-    "host/patient": ["host/room", "host/xray", "host/stent", "host/effects", "host/model", "host/base", "shared"],
+    "host/complications": ["host/room/command.hpp", "host/base"],
+    "host/complications/tests": HOST_TESTS,
+    "host/patient": [
+        "host/complications",
+        "host/room",
+        "host/xray",
+        "host/stent",
+        "host/effects",
+        "host/model",
+        "host/base",
+        "shared",
+    ],
     "host/rig": ["host/link", "host/room/command.hpp", "host/base", "shared"],
     "host/script": ["host/patient", "host/room", "host/effects", "host/model", "host/base", "shared"],
     # Recordings hold the wire's own records.
