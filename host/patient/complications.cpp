@@ -18,6 +18,9 @@ using std::numbers::pi;
 
 constexpr double tip_reach_m = 1.5e-3;     // nodes so far behind a tip push with it
 constexpr double tip_direction_m = 2.0e-3; // over which its direction is measured
+// The shaft's direction is that of the line so far behind the tip. A tip that turns more than 60 degrees away from
+// it, such as that of a J wire, does not lead: the wire's bow does, which is blunt.
+constexpr double shaft_behind_m = 6.0e-3, leading_cosine = 0.5;
 constexpr double same_place_mm = 5.0;      // injuries of one kind so near to each other are one
 constexpr double touching_share = 0.85;    // of the healthy radius: a narrower ball stretches no wall
 constexpr double unfolded_kPa = 50.0, folds_share = 0.03; // docs/balloon.md
@@ -76,9 +79,8 @@ double free_balloon_mm(const crn_wire_instrument &tool, double pressure_kPa)
 
 double tip_area_mm2(const Instrument &tool)
 {
-    const double outer_mm = tip_radius_um(tool) * 1e-3;
-    const double inner_mm = has_lumen(tool) ? tool.table.knots[0].radius_inner_um * 1e-3 : 0.0;
-    return pi * (outer_mm * outer_mm - inner_mm * inner_mm);
+    const double radius_mm = tip_radius_um(tool) * 1e-3;
+    return pi * radius_mm * radius_mm;
 }
 
 // The wall's force on the nodes at the tip, friction included, has a part along the tip. This part pushes the
@@ -95,6 +97,10 @@ TipPush tip_push(const WireFrame &wire, const crn_wire_contacts &contacts, std::
     push.is_known = true;
     push.place_m = line_place_m(wire, tip_arc_m);
     push.ahead = (push.place_m - line_place_m(wire, tip_arc_m + tip_direction_m)).normalized();
+    const Vector3d shaft = (line_place_m(wire, tip_arc_m + shaft_behind_m) -
+                            line_place_m(wire, tip_arc_m + shaft_behind_m + tip_direction_m))
+                               .normalized();
+    if (push.ahead.dot(shaft) < leading_cosine) return push;
     Vector3d sum_N = Vector3d::Zero();
     for (std::uint16_t i = 0; i < contacts.contacts_count; ++i) {
         const std::size_t node = contacts.contacts[i].node;

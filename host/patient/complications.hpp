@@ -25,7 +25,8 @@ namespace crn
 // Returns the diameter that a balloon would have without a vessel, from its maker's table: between two rows in
 // proportion to the pressure, beyond the last row along its last segment. 0 if it is folded.
 double free_balloon_mm(const crn_wire_instrument &tool, double pressure_kPa);
-// Returns the area with which a tool's tip pushes: the whole end of a wire, the ring of a tool with a lumen.
+// Returns the area with which a tool's tip pushes: that of its whole end. The soft tip of a catheter gives way, so that it
+// bears on more than the ring around its lumen.
 double tip_area_mm2(const Instrument &tool);
 
 // Describes how a tip pushes the wall in front of it.

@@ -300,12 +300,28 @@ void a_tip_inside_another_tool_pushes_no_wall(void **)
     assert_true(tip_push(wire, contacts, 1).force_N == 0.0); // the contact is before its tip
 }
 
-void a_catheters_tip_pushes_with_its_ring(void **)
+// The tip of a J wire turns back within 6 mm; its bow leads, which is blunt.
+void the_tip_of_a_j_wire_does_not_lead(void **)
+{
+    for (const double degrees : {0.0, 45.0, 75.0, 180.0}) {
+        WireFrame wire = pushing_line(16);
+        const double turn = degrees * std::numbers::pi / 180.0;
+        const Vector3d ahead(std::cos(turn), std::sin(turn), 0.0);
+        for (int i = 3; i >= 0; --i) // the last 3 mm are bent by so much
+            wire.nodes[static_cast<std::size_t>(i)].position_m =
+                wire.nodes[static_cast<std::size_t>(i) + 1].position_m + 1e-3 * ahead;
+        const crn_wire_contacts contacts = push_at(16, -ahead);
+        const double wanted_N = degrees < 60.0 ? 1.0 : 0.0;
+        assert_true(std::fabs(tip_push(wire, contacts, 0).force_N - wanted_N) < 1e-6);
+    }
+}
+
+void a_tip_pushes_with_its_whole_end(void **)
 {
     Instrument guide = thin_wire();
     guide.table.knots[0].radius_outer_um = 1000;
     guide.table.knots[0].radius_inner_um = 900;
-    assert_true(std::fabs(tip_area_mm2(guide) - std::numbers::pi * 0.19) < 1e-12);
+    assert_true(std::fabs(tip_area_mm2(guide) - std::numbers::pi) < 1e-12);
     assert_true(std::fabs(tip_area_mm2(thin_wire()) - wire_area_mm2) < 1e-12);
 }
 
@@ -335,7 +351,8 @@ int main()
         cmocka_unit_test(where_complications_are_off_nothing_is_injured),
         cmocka_unit_test(a_snapshot_goes_on_with_the_same_injuries),
         cmocka_unit_test(a_tip_inside_another_tool_pushes_no_wall),
-        cmocka_unit_test(a_catheters_tip_pushes_with_its_ring),
+        cmocka_unit_test(the_tip_of_a_j_wire_does_not_lead),
+        cmocka_unit_test(a_tip_pushes_with_its_whole_end),
         cmocka_unit_test(the_free_diameter_follows_the_makers_table),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
