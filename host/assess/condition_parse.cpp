@@ -19,10 +19,9 @@ const std::vector<Unit> shares = {{"%", 1.0}};
 const std::vector<std::string> hand_words = {"advances", "withdraws", "moves", "turns", "inserted", "force"};
 const std::vector<std::string> tip_words = {"in", "off", "ahead", "moves", "fixed"};
 const std::vector<std::string> first_words = {
-    "x-ray",    "acquiring", "c-arm",   "injecting", "injected", "runs",        "filled", "empty",
-    "time",     "tip",       "balloon", "stent",     "lesion",   "wall",        "line",   "wire",
-    "catheter", "guide",     "tool",    "damped",    "pressure", "unaspirated", "vessel", "blood",
-    "not",      "("};
+    "x-ray", "acquiring", "c-arm",    "injecting",   "injected", "runs",  "filled", "empty",    "time",
+    "tip",   "balloon",   "stent",    "lesion",      "wall",     "line",  "wire",   "catheter", "guide",
+    "tool",  "damped",    "pressure", "unaspirated", "vessel",   "blood", "not",    "("};
 
 // Splits a condition into words and brackets. Quotation marks around the name of a vessel are removed.
 std::vector<Token> words_of(std::string text, int column)

@@ -9,8 +9,9 @@ namespace crn
 namespace
 {
 
-constexpr double mean_mmHg = 88.0, Pa_per_mmHg = 133.322; // of the arteries above the veins (docs/contrast.md)
-constexpr double blood_kg_m3 = 1060.0, discharge = 0.6;   // of a sharp-edged orifice
+constexpr double mean_mmHg = 88.0,
+                 Pa_per_mmHg = 133.322;                 // of the arteries above the veins (docs/contrast.md)
+constexpr double blood_kg_m3 = 1060.0, discharge = 0.6; // of a sharp-edged orifice
 constexpr double most_narrowing = 0.99;
 
 } // namespace

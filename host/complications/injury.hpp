@@ -1,7 +1,8 @@
-// Injuries of a vessel's wall: what they are called, and how large a wound they leave (docs/complications.md).
+// Injuries of a vessel's wall: what they are called, and how large a wound they leave
+// (docs/complications.md).
 #pragma once
-#include "host/complications/limits.hpp"
 #include "host/base/state_archive.hpp"
+#include "host/complications/limits.hpp"
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
@@ -36,8 +37,8 @@ struct Injury {
 double balloon_hole_mm(const ComplicationLimits &limits, double ratio);
 // Returns the flow through a hole per mmHg: that of an orifice at the mean pressure of the arteries.
 double hole_ml_s_per_mmHg(const ComplicationLimits &limits, double diameter_mm);
-// Returns the share of the lumen's diameter that a flap takes: from the share at the limit on, in proportion to
-// the part of the limit by which it was exceeded.
+// Returns the share of the lumen's diameter that a flap takes: from the share at the limit on, in proportion
+// to the part of the limit by which it was exceeded.
 double flap_narrowing(const ComplicationLimits &limits, InjuryCause cause, double value, double limit);
 
 // Returns the class of a perforation by Ellis, I to III, or the type of a dissection by the NHLBI, B to F.
@@ -45,8 +46,8 @@ std::string injury_class(const Injury &injury, const ComplicationLimits &limits)
 // Returns what happened, where, and what to do, for the window: "PERFORATION ...".
 std::string injury_notice(const Injury &injury, const ComplicationLimits &limits);
 
-// Returns the share of the arterial pressure that is left after so much blood was lost around the heart, and in
-// all.
+// Returns the share of the arterial pressure that is left after so much blood was lost around the heart, and
+// in all.
 double pressure_left(const ComplicationLimits &limits, double around_heart_ml, double all_ml);
 
 // Waits until a value has exceeded its limit without a break for some time.

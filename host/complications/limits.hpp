@@ -25,12 +25,12 @@ struct ComplicationLimits {
     double perforation_balloon_ratio = 1.3, dissection_balloon_ratio = 1.2, balloon_hold_ms = 480.0;
     // The hole: a tip leaves its own diameter, and a balloon the diameter at its limit and more beyond it.
     double balloon_hole_mm = 0.8, balloon_hole_mm_per_ratio = 2.0;
-    double hole_open_pct = 25.0;                  // share of its area that the tissue leaves open
-    double crater_below_mm = 0.2, jet_mm = 1.0;   // Ellis I below, III from this diameter on
-    double seal_s = 600.0;                        // without pressure until a hole has closed
-    double blush_mg_per_ml = 100.0;               // iodine in the tissue
-    // The flap: its length behind a tip (that of the balloon otherwise), and the share of the diameter that it
-    // takes at the limit and more beyond it, for a balloon up to the limit of a perforation.
+    double hole_open_pct = 25.0;                // share of its area that the tissue leaves open
+    double crater_below_mm = 0.2, jet_mm = 1.0; // Ellis I below, III from this diameter on
+    double seal_s = 600.0;                      // without pressure until a hole has closed
+    double blush_mg_per_ml = 100.0;             // iodine in the tissue
+    // The flap: its length behind a tip (that of the balloon otherwise), and the share of the diameter that
+    // it takes at the limit and more beyond it, for a balloon up to the limit of a perforation.
     double flap_mm = 10.0, flap_narrowing_pct = 20.0;
     double tip_narrowing_pct = 40.0, balloon_narrowing_pct = 480.0; // per limit by which it is exceeded
     double pocket_fill_s = 1.0, pocket_empty_s = 60.0;

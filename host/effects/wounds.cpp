@@ -145,8 +145,8 @@ void archive_hole(StateArchive &state, WallHole &hole, std::size_t cells)
 {
     constexpr double most = 1e6;
     state.index(hole.cell, cells);
-    for (double *value : {&hole.ml_s_per_mmHg, &hole.seal_s, &hole.stopped_s, &hole.flow_ml_s, &hole.leaked_ml,
-                          &hole.iodine_mg})
+    for (double *value : {&hole.ml_s_per_mmHg, &hole.seal_s, &hole.stopped_s, &hole.flow_ml_s,
+                          &hole.leaked_ml, &hole.iodine_mg})
         state.real(*value, -most, most);
     state.reals({hole.outward.data(), 3}, -2.0, 2.0);
     state.real(hole.diameter_mm, 0.0, 100.0);

@@ -1,6 +1,6 @@
-// Simulates what wounds of the vessels do to the blood and to the contrast medium in it (docs/complications.md).
-// Through a hole, blood and medium leave into the tissue; the medium stays there as a blush. A flap narrows the
-// lumen, and a pocket behind it fills with medium and holds it.
+// Simulates what wounds of the vessels do to the blood and to the contrast medium in it
+// (docs/complications.md). Through a hole, blood and medium leave into the tissue; the medium stays there as
+// a blush. A flap narrows the lumen, and a pocket behind it fills with medium and holds it.
 //
 //   dV/dt = g p            blood through a hole: conductance g, pressure p above the veins
 //   dm/dt = c g p          iodine in the blush: concentration c in the blood before the hole
@@ -36,7 +36,7 @@ struct WallFlap {
     double pocket_ml = 0.0;         // volume behind the flap
     double fill_s = 1.0, empty_s = 60.0;
     Eigen::Vector3d side = Eigen::Vector3d::UnitX(); // of the lumen on which it lies
-    double iodine_mg = 0.0; // result: in the pocket
+    double iodine_mg = 0.0;                          // result: in the pocket
 
     double pocket_mg_per_ml() const { return pocket_ml > 0.0 ? iodine_mg / pocket_ml : 0.0; }
 };
@@ -64,13 +64,15 @@ class Wounds
     void set_hole(std::size_t index, const WallHole &hole);
     void set_flap(std::size_t index, const WallFlap &flap);
 
-    // Returns the holes as far as they are open now, and the share of each cell's radius that the flaps leave.
+    // Returns the holes as far as they are open now, and the share of each cell's radius that the flaps
+    // leave.
     std::vector<CellHole> open_holes() const;
     std::vector<double> open_shares(std::size_t cells) const; // empty: no flap
 
     // Takes the share of one run's leak, in `ml` of blood with `mg` of iodine, that belongs to its holes.
     void leak(std::size_t cell, double ml, double mg);
-    // Advances the times of the holes, with the pressure in each hole's cell from the network's last solution.
+    // Advances the times of the holes, with the pressure in each hole's cell from the network's last
+    // solution.
     void pass(const FlowNetwork &network, double dt_s);
     // Exchanges iodine between the pockets and the two layers of blood before them.
     void exchange(std::span<const double> volume_ml, std::span<double> core_mg, std::span<double> wall_mg,

@@ -331,7 +331,8 @@ void World::sample_contacts()
 // A script's session passes the forces of the walls to the patient itself.
 void World::feel()
 {
-    if (!patient_ || is_led_ || !patient_->can_be_injured() || tick() % Patient::feel_every_ticks != 0) return;
+    if (!patient_ || is_led_ || !patient_->can_be_injured() || tick() % Patient::feel_every_ticks != 0)
+        return;
     has_contacts_ = false; // the views are made when they are asked for
     if (!patient_->feel(link_.read_contacts())) return;
     nodes();

@@ -18,11 +18,11 @@ using std::numbers::pi;
 
 constexpr double tip_reach_m = 1.5e-3;     // nodes so far behind a tip push with it
 constexpr double tip_direction_m = 2.0e-3; // over which its direction is measured
-// The shaft's direction is that of the line so far behind the tip. A tip that turns more than 60 degrees away from
-// it, such as that of a J wire, does not lead: the wire's bow does, which is blunt.
+// The shaft's direction is that of the line so far behind the tip. A tip that turns more than 60 degrees away
+// from it, such as that of a J wire, does not lead: the wire's bow does, which is blunt.
 constexpr double shaft_behind_m = 6.0e-3, leading_cosine = 0.5;
-constexpr double same_place_mm = 5.0;      // injuries of one kind so near to each other are one
-constexpr double touching_share = 0.85;    // of the healthy radius: a narrower ball stretches no wall
+constexpr double same_place_mm = 5.0;   // injuries of one kind so near to each other are one
+constexpr double touching_share = 0.85; // of the healthy radius: a narrower ball stretches no wall
 constexpr double unfolded_kPa = 50.0, folds_share = 0.03; // docs/balloon.md
 constexpr double newton_per_q22 = 1.0 / (1 << 22);
 
@@ -84,8 +84,8 @@ double tip_area_mm2(const Instrument &tool)
 }
 
 // The wall's force on the nodes at the tip, friction included, has a part along the tip. This part pushes the
-// tip back, and the tip pushes the wall in front of it with the same force. The sides of a tip that slides along
-// a wall press across the tip, and do not count.
+// tip back, and the tip pushes the wall in front of it with the same force. The sides of a tip that slides
+// along a wall press across the tip, and do not count.
 TipPush tip_push(const WireFrame &wire, const crn_wire_contacts &contacts, std::size_t tool)
 {
     TipPush push;
@@ -132,7 +132,8 @@ bool PatientComplications::feel(const crn_wire_contacts &contacts)
     double least_N = 1e9;
     for (const Instrument &tool : tools_)
         if (tool.table.knots_count > 0)
-            least_N = std::min(least_N, limits_.dissection_tip_kPa * 1e-3 * tip_area_mm2(tool)); // kPa mm2: mN
+            least_N =
+                std::min(least_N, limits_.dissection_tip_kPa * 1e-3 * tip_area_mm2(tool)); // kPa mm2: mN
     bool is_strong = false;
     for (std::uint16_t i = 0; limits_.is_on && i < contacts.contacts_count && !is_strong; ++i)
         is_strong = force_N(contacts.contacts[i]).norm() > 0.5 * least_N; // two nodes may share a tip's force
@@ -165,8 +166,9 @@ bool PatientComplications::locate(const WireFrame &wire, PatientContrast &contra
         found.front_mm = 2e-3 * tip_radius_um(tools_[k]);
         found.cell = cells.nearest(push.place_m);
         for (const InjuryKind kind : {InjuryKind::dissection, InjuryKind::perforation})
-            has_changed_any |= watch(kind == InjuryKind::dissection ? tips_[k].dissection : tips_[k].perforation,
-                                     kind, found, wire.tick, cells, contrast);
+            has_changed_any |=
+                watch(kind == InjuryKind::dissection ? tips_[k].dissection : tips_[k].perforation, kind,
+                      found, wire.tick, cells, contrast);
     }
     return has_changed_any;
 }
@@ -187,8 +189,8 @@ std::uint32_t PatientComplications::next_tick() const
     return (look_tick_ / look_every_ticks + 1) * look_every_ticks;
 }
 
-// Returns the place at which the balloon is largest for its vessel, and the stretch of vessel around it that it
-// stretches beyond the limit of a dissection.
+// Returns the place at which the balloon is largest for its vessel, and the stretch of vessel around it that
+// it stretches beyond the limit of a dissection.
 std::optional<PatientComplications::Found> PatientComplications::stretched(const WireFrame &wire,
                                                                            const FlowCells &cells) const
 {
@@ -235,7 +237,8 @@ bool PatientComplications::advance(const WireFrame &wire, PatientContrast &contr
     }
     const bool is_torn =
         watch(balloon_dissection_, InjuryKind::dissection, *found, wire.tick, cells, contrast);
-    return watch(balloon_perforation_, InjuryKind::perforation, *found, wire.tick, cells, contrast) || is_torn;
+    return watch(balloon_perforation_, InjuryKind::perforation, *found, wire.tick, cells, contrast) ||
+           is_torn;
 }
 
 double PatientComplications::limit_of(InjuryKind kind, InjuryCause cause) const
@@ -249,8 +252,7 @@ double PatientComplications::limit_of(InjuryKind kind, InjuryCause cause) const
 bool PatientComplications::watch(Watch &watched, InjuryKind kind, const Found &found, std::uint32_t tick,
                                  const FlowCells &cells, PatientContrast &contrast)
 {
-    const double hold_ms =
-        found.cause == InjuryCause::tip ? limits_.tip_hold_ms : limits_.balloon_hold_ms;
+    const double hold_ms = found.cause == InjuryCause::tip ? limits_.tip_hold_ms : limits_.balloon_hold_ms;
     const bool is_held = watched.limit.take(tick, found.value, limit_of(kind, found.cause), hold_ms);
     if (!watched.limit.is_above()) watched.injury.reset();
     if (!is_held) return false;

@@ -1,6 +1,6 @@
-// Watches what tools do to the walls of the vessels in a session, and injures the vessels when a wall does not
-// bear it (docs/complications.md). Two things are watched: the pressure of each tool's tip on the wall, from the
-// contact forces of the core, and the size of the balloon, from its pressure and its maker's table.
+// Watches what tools do to the walls of the vessels in a session, and injures the vessels when a wall does
+// not bear it (docs/complications.md). Two things are watched: the pressure of each tool's tip on the wall,
+// from the contact forces of the core, and the size of the balloon, from its pressure and its maker's table.
 //
 //   if (complications.feel(contacts)) complications.locate(frame, contrast);   every 16 ticks
 //   complications.tick(state);                                                 every tick
@@ -22,11 +22,11 @@
 namespace crn
 {
 
-// Returns the diameter that a balloon would have without a vessel, from its maker's table: between two rows in
-// proportion to the pressure, beyond the last row along its last segment. 0 if it is folded.
+// Returns the diameter that a balloon would have without a vessel, from its maker's table: between two rows
+// in proportion to the pressure, beyond the last row along its last segment. 0 if it is folded.
 double free_balloon_mm(const crn_wire_instrument &tool, double pressure_kPa);
-// Returns the area with which a tool's tip pushes: that of its whole end. The soft tip of a catheter gives way, so that it
-// bears on more than the ring around its lumen.
+// Returns the area with which a tool's tip pushes: that of its whole end. The soft tip of a catheter gives
+// way, so that it bears on more than the ring around its lumen.
 double tip_area_mm2(const Instrument &tool);
 
 // Describes how a tip pushes the wall in front of it.
@@ -41,8 +41,8 @@ TipPush tip_push(const WireFrame &wire, const crn_wire_contacts &contacts, std::
 class PatientComplications
 {
   public:
-    // A multiple of the ticks after which every session reads the forces: a balloon that has been inflated since
-    // then is looked at in time.
+    // A multiple of the ticks after which every session reads the forces: a balloon that has been inflated
+    // since then is looked at in time.
     static constexpr std::uint32_t look_every_ticks = 80;
 
     PatientComplications(const VesselTree &vessels, const std::vector<Instrument> &tools);

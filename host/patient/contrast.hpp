@@ -161,14 +161,14 @@ class PatientContrast
     ContrastFlow flow_;
     Injector injector_;
     State state_ = State::idle;
-    std::int64_t seen_tick_ = -1; // of the last frame
-    std::uint32_t look_tick_ = 0; // of the last look
+    std::int64_t seen_tick_ = -1;          // of the last frame
+    std::uint32_t look_tick_ = 0;          // of the last look
     std::uint32_t wake_tick_ = UINT32_MAX; // of the look from which on a hole bleeds; none
     double pressure_share_ = 1.0;
     // Injuries since the last look: a hole or a flap, and its index.
     std::vector<std::pair<std::size_t, WallHole>> new_holes_;
     std::vector<std::pair<std::size_t, WallFlap>> new_flaps_;
-    std::size_t tool_ = 0;        // tool at the syringe
+    std::size_t tool_ = 0; // tool at the syringe
     double iodine_mg_per_ml_ = iodine_default_mg_per_ml;
     InjectedFluid fluid_;
     struct Beat {

@@ -11,12 +11,13 @@ namespace
 
 using Eigen::Vector3d;
 
-constexpr double visible_mg = 0.05;         // of a wound; less is not drawn
-constexpr double visible_mg_per_ml = 5.0;   // of a jet
-constexpr double flap_share = 0.05;         // thickness of the flap, in radii of the vessel
-constexpr double thinnest_share = 0.05;     // radius of a pocket, in radii of the vessel
+constexpr double visible_mg = 0.05;       // of a wound; less is not drawn
+constexpr double visible_mg_per_ml = 5.0; // of a jet
+constexpr double flap_share = 0.05;       // thickness of the flap, in radii of the vessel
+constexpr double thinnest_share = 0.05;   // radius of a pocket, in radii of the vessel
 
-// Returns the third root of a positive number by Newton's method, so that every machine draws the same picture.
+// Returns the third root of a positive number by Newton's method, so that every machine draws the same
+// picture.
 double third_root(double x)
 {
     double root = std::max(x, 1.0);
@@ -44,8 +45,8 @@ void PatientContrast::wake(std::uint32_t tick)
     wake_tick_ = (tick / look_every_ticks + 1) * look_every_ticks;
 }
 
-// The flow has been advanced to the frame of the look; an injury acts from there on, whichever other frames were
-// requested since the wall was injured.
+// The flow has been advanced to the frame of the look; an injury acts from there on, whichever other frames
+// were requested since the wall was injured.
 void PatientContrast::take_injuries()
 {
     for (const auto &[index, hole] : new_holes_) flow_.set_hole(index, hole);
@@ -67,8 +68,8 @@ const FlowCells &PatientContrast::cells_at(const WireFrame &wire)
     return flow_.cells();
 }
 
-// Medium in the tissue is a soft ball beside the vessel. Its middle has the concentration of the blush, so that
-// its radius grows with the third root of the iodine that has leaked.
+// Medium in the tissue is a soft ball beside the vessel. Its middle has the concentration of the blush, so
+// that its radius grows with the third root of the iodine that has leaked.
 void PatientContrast::make_wounds()
 {
     const FlowCells &cells = flow_.cells();
@@ -91,8 +92,9 @@ void PatientContrast::make_jet(const WallHole &hole, const Vector3d &ball_m)
     const double mg_per_ml = flow_.iodine_mg_per_ml(hole.cell);
     if (mg_per_ml < visible_mg_per_ml) return;
     const double share = contrast_share(mg_per_ml), radius_m = 0.5e-3 * hole.diameter_mm;
-    curves_.push_back({Material::iohexol_350,
-                       {{flow_.cells().middle_m(hole.cell), radius_m, share}, {ball_m, 2.0 * radius_m, share}}});
+    curves_.push_back(
+        {Material::iohexol_350,
+         {{flow_.cells().middle_m(hole.cell), radius_m, share}, {ball_m, 2.0 * radius_m, share}}});
 }
 
 // The pocket is a thin column beside the lumen; the flap between both is free of medium.
@@ -105,8 +107,8 @@ void PatientContrast::make_pocket(const WallFlap &flap)
         const double radius_mm = width * cells[i].radius_mm;
         drawn_mm3 += std::numbers::pi * radius_mm * radius_mm * cells[i].length_mm;
     }
-    const double share =
-        std::min(flap.iodine_mg / iodine_default_mg_per_ml * 1e3 / drawn_mm3, contrast_share(curves_mg_per_ml_));
+    const double share = std::min(flap.iodine_mg / iodine_default_mg_per_ml * 1e3 / drawn_mm3,
+                                  contrast_share(curves_mg_per_ml_));
     SweptCurve curve{Material::iohexol_350, {}};
     const auto add = [&](std::size_t cell, const Vector3d &at_m) {
         const double radius_m = cells[cell].radius_mm * 1e-3;

@@ -228,6 +228,9 @@ void Patient::archive(StateArchive &state, std::uint32_t now, const crn_wire_tic
     contrast_.archive(state, now, tools_, last);
     catheter_pressure_.archive(state, now, tools_);
     complications_.archive(state, now, tools_);
+    const std::size_t cells = contrast_.flow().cells().size();
+    for (const Injury &injury : complications_.injuries())
+        if (state.restores()) state.require(injury.cell < cells && injury.cells <= cells - injury.cell);
     if (state.restores() && !state.is_refused()) take_wounds();
     catheter_air_.archive(state, tools_);
     bool has_stents = stents_ != nullptr;

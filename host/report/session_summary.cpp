@@ -174,8 +174,8 @@ void print_injuries(const Patient &patient)
     const PatientComplications &complications = patient.complications();
     for (const Injury &injury : complications.injuries())
         std::printf("%-11s           at %.3f s, %s %s of %s by %s: %.3g %s, the wall bears %.3g\n",
-                    injury.kind == InjuryKind::perforation ? "perforation" : "dissection",
-                    injury.tick * 1e-3, injury.kind == InjuryKind::perforation ? "Ellis" : "type",
+                    injury.kind == InjuryKind::perforation ? "perforation" : "dissection", injury.tick * 1e-3,
+                    injury.kind == InjuryKind::perforation ? "Ellis" : "type",
                     injury_class(injury, complications.limits()).c_str(), printable(injury.vessel).c_str(),
                     printable(injury.tool).c_str(), injury.value, injury.unit(), injury.limit);
     const Wounds &wounds = patient.contrast().flow().wounds();

@@ -13,8 +13,8 @@ namespace
 
 const std::vector<Unit> percent_units = {{"%", 1.0}};
 const std::vector<Unit> lost_units = {{"ml", 1.0}};
-const std::vector<std::string> kinds = {"tip",      "iodine", "residual",     "apposition", "inserted",
-                                        "turned",   "perforations", "dissections", "blood"};
+const std::vector<std::string> kinds = {"tip",    "iodine",       "residual",    "apposition", "inserted",
+                                        "turned", "perforations", "dissections", "blood"};
 
 std::string rounded(double value)
 {
@@ -80,7 +80,8 @@ std::string remedy_of(const Expectation &expectation)
         return "see which push ended early (given up)";
     case Expectation::Kind::perforations:
     case Expectation::Kind::dissections:
-        return "push less against resistance, or choose a balloon of the vessel's size (docs/complications.md)";
+        return "push less against resistance, or choose a balloon of the vessel's size "
+               "(docs/complications.md)";
     case Expectation::Kind::blood_loss:
         return "inflate a balloon of the vessel's size where it bleeds";
     case Expectation::Kind::turned:

@@ -38,8 +38,8 @@ struct Expectation {
     Kind kind = Kind::tip;
     std::size_t tool = 0; // for tip, inserted and turned
     VesselName vessel;    // for tip and iodine
-    // The limits of an expected value are in mm, percent, degrees, ml or numbers; if `is_below` is true, the value must be
-    // less than `most`, not equal to it.
+    // The limits of an expected value are in mm, percent, degrees, ml or numbers; if `is_below` is true, the
+    // value must be less than `most`, not equal to it.
     double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
     bool is_below = false;
 
@@ -53,8 +53,8 @@ struct Expectation {
 // position in the file.
 Expectation parse_expectation(LineParser &line, const ToolChoice &selected);
 
-// Provides the values of iodine, remaining stenosis and stent apposition, in percent, the numbers of injuries,
-// and the lost blood; a value is absent if it is not known.
+// Provides the values of iodine, remaining stenosis and stent apposition, in percent, the numbers of
+// injuries, and the lost blood; a value is absent if it is not known.
 class SessionWitness
 {
   public:

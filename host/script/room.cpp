@@ -55,11 +55,10 @@ std::int32_t ordinal(LineParser &line, const std::string &what)
 
 const std::vector<std::string> &room_verbs()
 {
-    static const std::vector<std::string> verbs = {"fluoro", "cine",    "dsa",       "c-arm",  "view",
-                                                   "table",  "field",   "collimate", "follow", "mask",
-                                                   "shift",  "roadmap", "review",    "store",  "acknowledge",
-                                                   "stop",   "inject",  "contrast",  "load",   "aspirate",
-                                                   "complications"};
+    static const std::vector<std::string> verbs = {
+        "fluoro",      "cine",   "dsa",    "c-arm",    "view",    "table",    "field",
+        "collimate",   "follow", "mask",   "shift",    "roadmap", "review",   "store",
+        "acknowledge", "stop",   "inject", "contrast", "load",    "aspirate", "complications"};
     return verbs;
 }
 

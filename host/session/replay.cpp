@@ -265,7 +265,7 @@ class Replayer
     Clock::time_point begin_;
     std::uint32_t begin_tick_ = 0, hash_tick_ = 0;
     bool has_started_ = false; // the start of the replay has been reached
-    std::size_t command_ = 0; // the next one that has not been passed on
+    std::size_t command_ = 0;  // the next one that has not been passed on
 };
 
 } // namespace

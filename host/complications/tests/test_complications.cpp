@@ -1,7 +1,7 @@
-// These tests check the limits of the wall and what follows from them. A limit must be exceeded for its whole time,
-// and a value at the limit does not exceed it. The file that ships states exactly the limits that the program has
-// without a file. A mistake in a file is reported with its line. A recording that keeps the limits as commands gives
-// them back. The sizes of wounds agree with closed forms.
+// These tests check the limits of the wall and what follows from them. A limit must be exceeded for its whole
+// time, and a value at the limit does not exceed it. The file that ships states exactly the limits that the
+// program has without a file. A mistake in a file is reported with its line. A recording that keeps the
+// limits as commands gives them back. The sizes of wounds agree with closed forms.
 #include "host/base/examples.hpp"
 #include "host/base/text.hpp"
 #include "host/complications/injury.hpp"
@@ -82,8 +82,8 @@ void the_file_that_ships_states_the_limits_that_the_program_has(void **)
 
 void a_file_may_state_only_some_limits(void **)
 {
-    const std::string path = limits_file(
-        "format = 1\nperforation_tip_kPa = { value = 900, source = \"own measurement\" }\n");
+    const std::string path =
+        limits_file("format = 1\nperforation_tip_kPa = { value = 900, source = \"own measurement\" }\n");
     ComplicationLimits wanted;
     wanted.perforation_tip_kPa = 900.0;
     assert_true(read_complications(path) == wanted);

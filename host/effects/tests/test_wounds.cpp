@@ -1,8 +1,8 @@
-// These tests check wounds of the vessels against closed forms. Through a hole flows its conductance times the
-// pressure before it, and the network loses exactly this flow. The blush has the integral of the leak times the
-// concentration, and no iodine is lost. A balloon that fills the vessel before the hole stops it, and after the
-// stated time without blood the hole is closed. A flap narrows the lumen by Poiseuille's law, and its pocket
-// fills and empties exponentially.
+// These tests check wounds of the vessels against closed forms. Through a hole flows its conductance times
+// the pressure before it, and the network loses exactly this flow. The blush has the integral of the leak
+// times the concentration, and no iodine is lost. A balloon that fills the vessel before the hole stops it,
+// and after the stated time without blood the hole is closed. A flap narrows the lumen by Poiseuille's law,
+// and its pocket fills and empties exponentially.
 #include "host/effects/contrast_flow.hpp"
 #include "host/effects/tests/within.hpp"
 #include <cmath>
@@ -55,7 +55,8 @@ WallHole hole_at(std::size_t cell, double ml_s_per_mmHg)
 std::vector<ToolBall> balloon_balls(double from_m, double to_m)
 {
     std::vector<ToolBall> balls;
-    for (double x_m = from_m; x_m <= to_m; x_m += 0.5e-3) balls.push_back({{x_m, 0.0, 0.0}, wounded_radius_m});
+    for (double x_m = from_m; x_m <= to_m; x_m += 0.5e-3)
+        balls.push_back({{x_m, 0.0, 0.0}, wounded_radius_m});
     return balls;
 }
 
@@ -88,7 +89,8 @@ void a_hole_draws_the_flow_of_two_resistances_in_parallel(void **)
     const double conductance = 20e-3;
     flow.set_hole(0, hole_at(cell, conductance));
     flow.step({}, {});
-    const double per_m = 8.0 * 3.5e-3 / (pi * std::pow(wounded_radius_m, 4)) / 133.322 * 1e-6; // mmHg s/ml per m
+    const double per_m =
+        8.0 * 3.5e-3 / (pi * std::pow(wounded_radius_m, 4)) / 133.322 * 1e-6; // mmHg s/ml per m
     const FlowCells &cells = flow.cells();
     double before_m = 0.0, all_m = 0.0;
     for (std::size_t i = 0; i < cells.size(); ++i) {

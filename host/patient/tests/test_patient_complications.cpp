@@ -1,7 +1,7 @@
-// These tests check what injures the vessels of a patient: a tip that pushes the wall in front of it with a force
-// just above what the wall bears, and a balloon whose free diameter is just above the limit, but none just below.
-// The push of a tip is its force along the tip; a tip that slides along a wall does not count. An injury bleeds, and
-// pictures between the looks change nothing. A snapshot goes on with the same injuries.
+// These tests check what injures the vessels of a patient: a tip that pushes the wall in front of it with a
+// force just above what the wall bears, and a balloon whose free diameter is just above the limit, but none
+// just below. The push of a tip is its force along the tip; a tip that slides along a wall does not count. An
+// injury bleeds, and pictures between the looks change nothing. A snapshot goes on with the same injuries.
 #include "host/model/units.hpp"
 #include "host/patient/patient.hpp"
 #include <cmath>
@@ -110,10 +110,11 @@ crn_wire_tick_state lad_state(std::uint32_t tick, double balloon_bar)
     return state;
 }
 
-// Carries out a session of so many ticks: the wall pushes the tip back with `force_N`, as the core reports it every
-// 16 ticks, and the balloon has the pressure and fills the artery. More frames are shown every `frame_ticks`.
-void play_push(Patient &patient, std::uint32_t from, std::uint32_t to, const Vector3d &force_N, double balloon_bar = 0.0,
-          std::uint32_t frame_ticks = 100'000)
+// Carries out a session of so many ticks: the wall pushes the tip back with `force_N`, as the core reports it
+// every 16 ticks, and the balloon has the pressure and fills the artery. More frames are shown every
+// `frame_ticks`.
+void play_push(Patient &patient, std::uint32_t from, std::uint32_t to, const Vector3d &force_N,
+               double balloon_bar = 0.0, std::uint32_t frame_ticks = 100'000)
 {
     const double ball_m = balloon_bar > 0.0 ? lad_radius_m : 0.0;
     for (std::uint32_t tick = from + 1; tick <= to; ++tick) {
@@ -178,7 +179,7 @@ void a_short_push_and_a_tip_that_slides_along_the_wall_injure_nothing(void **)
     play_push(patient, 0, 96, back_with(3.0, 1430.0)); // from tick 16 to tick 96
     play_push(patient, 96, 200, Vector3d::Zero());
     play_push(patient, 200, 1000, {0.0, 3.0 * 1.430 * wire_area_mm2, 0.0}); // across the tip
-    play_push(patient, 1000, 2000, -back_with(3.0, 1430.0));                 // the wall pulls it ahead
+    play_push(patient, 1000, 2000, -back_with(3.0, 1430.0));                // the wall pulls it ahead
     assert_true(patient.complications().injuries().empty());
 }
 
@@ -214,7 +215,8 @@ void a_balloon_that_does_not_touch_the_wall_injures_nothing(void **)
     Patient patient(lad_anatomy(), {lad_balloon()});
     for (std::uint32_t tick = 1; tick <= 2000; ++tick) {
         patient.tick({}, lad_state(tick, 20.0));
-        if (tick == patient.next_vessel_look()) patient.look_at_vessels(pushing_line(tick, 0.5 * lad_radius_m));
+        if (tick == patient.next_vessel_look())
+            patient.look_at_vessels(pushing_line(tick, 0.5 * lad_radius_m));
     }
     assert_true(patient.complications().injuries().empty());
 }
@@ -230,7 +232,8 @@ void a_perforation_bleeds_without_medium_and_after_the_tip_has_gone(void **)
     // From the look at tick 120 to the last one; the artery loses less than 2 % of the pressure. A coronary
     // artery's pressure swings with the beat about its mean.
     const double wanted_ml = g * mean_pressure_mmHg * 20.0;
-    if (std::fabs(lost_ml / wanted_ml - 1.0) > 0.1) fail_msg("lost %.4f ml, expected %.4f", lost_ml, wanted_ml);
+    if (std::fabs(lost_ml / wanted_ml - 1.0) > 0.1)
+        fail_msg("lost %.4f ml, expected %.4f", lost_ml, wanted_ml);
     assert_true(patient.complications().lost_around_heart_ml(patient.contrast().flow()) == lost_ml);
 }
 
@@ -253,7 +256,7 @@ void more_pictures_change_nothing(void **)
 void a_large_loss_lets_the_pressure_fall(void **)
 {
     Patient patient(lad_anatomy(), {thin_wire()});
-    patient.command(0, {RoomAction::complication_limit, {19, 1, 0}});    // tamponade_begins_ml = 0.001
+    patient.command(0, {RoomAction::complication_limit, {19, 1, 0}});     // tamponade_begins_ml = 0.001
     patient.command(0, {RoomAction::complication_limit, {20, 1'000, 0}}); // tamponade_full_ml = 1
     play_push(patient, 0, 200, back_with(1.1, 1430.0));
     play_push(patient, 200, 30'000, Vector3d::Zero());
@@ -283,7 +286,8 @@ void a_snapshot_goes_on_with_the_same_injuries(void **)
     assert_false(restoring.is_refused());
     for (Patient *one : {&patient, &other}) play_push(*one, 200, 3000, back_with(1.2, 1430.0));
     assert_int_equal(holes(other), 1);
-    assert_true(patient.contrast().flow().wounds().leaked_ml() == other.contrast().flow().wounds().leaked_ml());
+    assert_true(patient.contrast().flow().wounds().leaked_ml() ==
+                other.contrast().flow().wounds().leaked_ml());
     assert_true(patient.contrast().flow().wounds().leaked_ml() > 0.0);
 }
 

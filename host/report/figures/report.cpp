@@ -113,9 +113,8 @@ nlohmann::ordered_json contrast_report(const PatientContrast &contrast)
     const ContrastFlow &flow = contrast.flow();
     const IodineBudget &budget = flow.budget();
     const DistalIodine distal = flow.distal().iodine();
-    const double lost_mg =
-        budget.injected_mg - flow.held_mg() - flow.distal().held_mg() - distal.gone_mg - budget.reflux_mg -
-        budget.leaked_mg;
+    const double lost_mg = budget.injected_mg - flow.held_mg() - flow.distal().held_mg() - distal.gone_mg -
+                           budget.reflux_mg - budget.leaked_mg;
     const auto ratio = [](double a, double b) { return b > 0.0 ? a / b : 0.0; };
     return {{"injected_ml", contrast.injected_ml()},
             {"iodine_injected_mg", budget.injected_mg},

@@ -22,8 +22,7 @@ Json event_of(const Injury &injury, const ComplicationLimits &limits)
             {"limit", injury.limit},
             {"unit", injury.unit()},
             {"force_N", injury.cause == InjuryCause::tip ? Json(injury.force_N) : Json()},
-            {"position_mm",
-             {injury.place_m.x() * 1e3, injury.place_m.y() * 1e3, injury.place_m.z() * 1e3}},
+            {"position_mm", {injury.place_m.x() * 1e3, injury.place_m.y() * 1e3, injury.place_m.z() * 1e3}},
             {is_hole ? "hole_mm" : "flap_mm", injury.size_mm}};
 }
 
@@ -37,8 +36,7 @@ void add_wound(Json &event, const Injury &injury, const Wounds &wounds)
             injury.wound < wounds.flaps().size() ? wounds.flaps()[injury.wound].pocket_mg_per_ml() : 0.0;
         return;
     }
-    const WallHole hole =
-        injury.wound < wounds.holes().size() ? wounds.holes()[injury.wound] : WallHole();
+    const WallHole hole = injury.wound < wounds.holes().size() ? wounds.holes()[injury.wound] : WallHole();
     event["conductance_ml_s_per_mmHg"] = hole.ml_s_per_mmHg;
     event["blood_loss_ml"] = hole.leaked_ml;
     event["flow_ml_min_at_the_end"] = 60.0 * hole.flow_ml_s;
