@@ -3,7 +3,6 @@
 #include "tools/bake/field.hpp"
 #include "shared/scene/scene.h"
 #include "tools/bake/fault.hpp"
-#include "tools/bake/near_part.hpp"
 #include "tools/bake/solid.hpp"
 
 #include <tbb/parallel_for.h>

@@ -2,7 +2,7 @@
 // distance from triangles at most 17 voxels away: 14 steps of its band, 2 voxels of its first voxels, and 1
 // of its smoothing. The margin is wider, because signs are wrong in the pockets that a square may close
 // between itself and the wall.
-#include "tools/bake/near_part.hpp"
+#include "tools/bake/field.hpp"
 
 #include <algorithm>
 #include <cmath>

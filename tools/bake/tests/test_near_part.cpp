@@ -1,7 +1,7 @@
 // These tests check that the part of a mesh that near_part() cuts out gives the same distances, bit for bit,
 // as the whole mesh: in the named blocks, in those beside them, and where another wall lies close by. The
 // reference is the level set of the whole mesh.
-#include "tools/bake/near_part.hpp"
+#include "tools/bake/field.hpp"
 #include "tools/bake/solid.hpp"
 #include "tools/bake/tests/shapes.hpp"
 
