@@ -2,6 +2,7 @@
 // source, until branches cover every voxel.
 #include "tools/centreline/fit/automatic.hpp"
 #include "host/base/format.hpp"
+#include "tools/centreline/end_width.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -108,17 +109,13 @@ std::vector<std::vector<std::size_t>> ways_to_tips(const Voxels &voxels, const W
     return kept;
 }
 
-// Follows the path for a few millimetres from its tip, and returns the depth (distance to the wall) of the
-// deepest voxel there.
+// Returns the width of the vessel behind a tip, whatever the shape of its cap.
 double width_at(const Voxels &voxels, const std::vector<std::size_t> &way)
 {
-    double depth = 0;
-    const Eigen::Vector3d tip = voxels.centre_mm(way.back());
-    for (std::size_t k = way.size(); k-- > 0;) {
-        if ((voxels.centre_mm(way[k]) - tip).norm() > depth + 4 * voxels.voxel_mm()) break;
-        depth = std::max(depth, voxels.depth_mm(way[k]));
-    }
-    return depth;
+    std::vector<Sphere> inwards;
+    for (std::size_t k = way.size(); k-- > 0;)
+        inwards.push_back({voxels.centre_mm(way[k]), voxels.depth_mm(way[k])});
+    return width_inside(inwards).radius_mm;
 }
 
 // The number of voxels that are connected with each voxel, itself included. Near a cap or in a thin place,
@@ -157,6 +154,28 @@ long near_point(const Voxels &voxels, const std::vector<std::size_t> &connected,
     return best;
 }
 
+struct WideTip {
+    std::size_t voxel = 0;
+    double width_mm = 0;
+};
+
+// The voxel with the longest path from the deepest voxel is a tip of the tree. From this first tip the code
+// finds all other tips of the tree, and takes the one of the widest vessel.
+WideTip widest_tip(const Voxels &voxels, const AutoWish &wish, bake::Progress &progress)
+{
+    std::size_t deepest = 0;
+    for (std::size_t v = 0; v < voxels.size(); ++v)
+        if (voxels.depth_mm(v) > voxels.depth_mm(deepest)) deepest = v;
+    const std::size_t first = by_length(find_ways(voxels, {deepest}, -1)).front();
+    const Ways ways = find_ways(voxels, {first}, -1);
+    std::vector<std::vector<std::size_t>> tips = ways_to_tips(voxels, ways, wish, progress);
+    tips.push_back({tips.front().rbegin(), tips.front().rend()}); // the path back to the first tip itself
+    WideTip best;
+    for (const std::vector<std::size_t> &way : tips)
+        if (const double mm = width_at(voxels, way); mm > best.width_mm) best = {way.back(), mm};
+    return best;
+}
+
 std::size_t inlet_of(const Lumen &lumen, const AutoWish &wish, std::vector<std::string> &notes,
                      bake::Progress &progress)
 {
@@ -174,24 +193,15 @@ std::size_t inlet_of(const Lumen &lumen, const AutoWish &wish, std::vector<std::
     for (const Opening &opening : lumen.openings())
         if ((!widest || opening.radius_mm > widest->radius_mm) && inside_near(opening.centre_mm) >= 0)
             widest = &opening;
-    if (widest) {
+    const WideTip tip = widest_tip(voxels, wish, progress);
+    // A mesh may be open at some of its ends only.
+    constexpr double clearly_wider = 1.1;
+    if (widest && tip.width_mm <= clearly_wider * widest->radius_mm) {
         notes.push_back("the inlet is the widest opening, at " + bake::place_text(widest->centre_mm));
         return static_cast<std::size_t>(inside_near(widest->centre_mm));
     }
-    // The voxel with the longest path from the deepest voxel is a tip of the tree. From this first tip the
-    // code finds all other tips of the tree, and takes the widest tip as the inlet.
-    std::size_t deepest = 0;
-    for (std::size_t v = 0; v < voxels.size(); ++v)
-        if (voxels.depth_mm(v) > voxels.depth_mm(deepest)) deepest = v;
-    const std::size_t tip = by_length(find_ways(voxels, {deepest}, -1)).front();
-    const Ways ways = find_ways(voxels, {tip}, -1);
-    std::vector<std::vector<std::size_t>> tips = ways_to_tips(voxels, ways, wish, progress);
-    tips.push_back({tips.front().rbegin(), tips.front().rend()}); // the path back to the first tip itself
-    const auto best = std::max_element(tips.begin(), tips.end(), [&](const auto &a, const auto &b) {
-        return width_at(voxels, a) < width_at(voxels, b);
-    });
-    notes.push_back("the inlet is the widest end, at " + bake::place_text(voxels.centre_mm(best->back())));
-    return best->back();
+    notes.push_back("the inlet is the widest end, at " + bake::place_text(voxels.centre_mm(tip.voxel)));
+    return tip.voxel;
 }
 
 // Adds a note about each piece of the mesh that the tree does not reach.
