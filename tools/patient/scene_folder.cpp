@@ -378,6 +378,7 @@ void make_scene_folder(const std::vector<Part> &parts, const Frame &frame, const
         automatic.inlet_mm = root_by_name(parts, lumen, inlet_why);
     }
     automatic.shortest_mm = wish.shortest_mm;
+    automatic.head = Vector3d::UnitY();
     std::vector<std::string> notes;
     Tree tree = centreline::fit_automatic(inside, automatic, notes, progress);
     for (Branch &branch : tree.branches)

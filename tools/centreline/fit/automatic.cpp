@@ -154,14 +154,31 @@ long near_point(const Voxels &voxels, const std::vector<std::size_t> &connected,
     return best;
 }
 
-struct WideTip {
+struct WideEnd {
     std::size_t voxel = 0;
+    Eigen::Vector3d place_mm = Eigen::Vector3d::Zero();
     double width_mm = 0;
 };
 
+constexpr double clearly_wider = 1.1, aorta_mm = 6.0;
+
+// The widest of the ends; of the ends of an aorta that are nearly as wide, the highest.
+const WideEnd &inlet_among(const std::vector<WideEnd> &ends, const AutoWish &wish)
+{
+    const WideEnd *best = &ends.front();
+    for (const WideEnd &end : ends)
+        if (end.width_mm > best->width_mm) best = &end;
+    const double least_mm = best->width_mm / clearly_wider;
+    if (!wish.head || least_mm < aorta_mm) return *best;
+    for (const WideEnd &end : ends)
+        if (end.width_mm >= least_mm && end.place_mm.dot(*wish.head) > best->place_mm.dot(*wish.head))
+            best = &end;
+    return *best;
+}
+
 // The voxel with the longest path from the deepest voxel is a tip of the tree. From this first tip the code
-// finds all other tips of the tree, and takes the one of the widest vessel.
-WideTip widest_tip(const Voxels &voxels, const AutoWish &wish, bake::Progress &progress)
+// finds all other tips of the tree.
+std::vector<WideEnd> tips_of(const Voxels &voxels, const AutoWish &wish, bake::Progress &progress)
 {
     std::size_t deepest = 0;
     for (std::size_t v = 0; v < voxels.size(); ++v)
@@ -170,10 +187,10 @@ WideTip widest_tip(const Voxels &voxels, const AutoWish &wish, bake::Progress &p
     const Ways ways = find_ways(voxels, {first}, -1);
     std::vector<std::vector<std::size_t>> tips = ways_to_tips(voxels, ways, wish, progress);
     tips.push_back({tips.front().rbegin(), tips.front().rend()}); // the path back to the first tip itself
-    WideTip best;
+    std::vector<WideEnd> ends;
     for (const std::vector<std::size_t> &way : tips)
-        if (const double mm = width_at(voxels, way); mm > best.width_mm) best = {way.back(), mm};
-    return best;
+        ends.push_back({way.back(), voxels.centre_mm(way.back()), width_at(voxels, way)});
+    return ends;
 }
 
 std::size_t inlet_of(const Lumen &lumen, const AutoWish &wish, std::vector<std::string> &notes,
@@ -189,18 +206,20 @@ std::size_t inlet_of(const Lumen &lumen, const AutoWish &wish, std::vector<std::
                         " lies outside the vessel: move it inside");
         return static_cast<std::size_t>(voxel);
     }
-    const Opening *widest = nullptr;
+    std::vector<WideEnd> openings;
     for (const Opening &opening : lumen.openings())
-        if ((!widest || opening.radius_mm > widest->radius_mm) && inside_near(opening.centre_mm) >= 0)
-            widest = &opening;
-    const WideTip tip = widest_tip(voxels, wish, progress);
+        if (const long voxel = inside_near(opening.centre_mm); voxel >= 0)
+            openings.push_back({static_cast<std::size_t>(voxel), opening.centre_mm, opening.radius_mm});
+    const WideEnd tip = inlet_among(tips_of(voxels, wish, progress), wish);
     // A mesh may be open at some of its ends only.
-    constexpr double clearly_wider = 1.1;
-    if (widest && tip.width_mm <= clearly_wider * widest->radius_mm) {
-        notes.push_back("the inlet is the widest opening, at " + bake::place_text(widest->centre_mm));
-        return static_cast<std::size_t>(inside_near(widest->centre_mm));
+    if (!openings.empty()) {
+        const WideEnd opening = inlet_among(openings, wish);
+        if (tip.width_mm <= clearly_wider * opening.width_mm) {
+            notes.push_back("the inlet is the widest opening, at " + bake::place_text(opening.place_mm));
+            return opening.voxel;
+        }
     }
-    notes.push_back("the inlet is the widest end, at " + bake::place_text(voxels.centre_mm(tip.voxel)));
+    notes.push_back("the inlet is the widest end, at " + bake::place_text(tip.place_mm));
     return tip.voxel;
 }
 

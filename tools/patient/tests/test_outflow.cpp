@@ -209,6 +209,20 @@ static void the_inlet_may_be_closed_where_another_end_is_open(void **)
     assert_true(inlet.y() < 4);
 }
 
+// Before, the lower end of an aorta with an aneurysm was the inlet, and instruments entered against the
+// blood.
+static void blood_enters_an_aorta_from_above_if_its_ends_are_equal(void **)
+{
+    bake::Mesh mesh = centreline::tests::tube_mesh(1.0, 160, 0, 80, 40);
+    for (Vector3d &v : mesh.vertices_mm) {
+        const double radius = 8 + 10 * std::exp(-std::pow((v.y() - 70) / 20, 2));
+        v.x() *= radius, v.z() *= radius;
+    }
+    const Vector3d inlet = inlet_of(mesh);
+    std::printf("# inlet at (%.1f, %.1f, %.1f) mm\n", inlet.x(), inlet.y(), inlet.z());
+    assert_true(inlet.y() > 155);
+}
+
 } // namespace outflow_tests
 
 int main()
@@ -220,7 +234,8 @@ int main()
         cmocka_unit_test(outflow_tests::flows_of_a_closed_fork_follow_the_law),
         cmocka_unit_test(outflow_tests::medium_moves_downstream_everywhere),
         cmocka_unit_test(outflow_tests::the_inlet_is_the_widest_vessel_though_it_ends_in_a_point),
-        cmocka_unit_test(outflow_tests::the_inlet_may_be_closed_where_another_end_is_open)};
+        cmocka_unit_test(outflow_tests::the_inlet_may_be_closed_where_another_end_is_open),
+        cmocka_unit_test(outflow_tests::blood_enters_an_aorta_from_above_if_its_ends_are_equal)};
     cmocka_set_message_output(CM_OUTPUT_TAP);
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }
