@@ -55,7 +55,9 @@ mesh::LevelSet distances(const Mesh &mesh, int level, Progress &progress)
 // triangles are smaller than voxels, OpenVDB's distances are up to 0.03 mm too large. We therefore recompute
 // the distances exactly near the wall, and also in all voxels of the bricks that will be stored. Each brick
 // covers the same 8^3 voxels as one block of the grid, so we recompute this block and the blocks around it.
-void make_exact(mesh::LevelSet &grid, const std::vector<Brick> &bricks, int level, const TriangleTree &tree,
+// Returns whether the grid had every recomputed voxel on its right side of the wall, but for those that the
+// wall crosses.
+bool make_exact(mesh::LevelSet &grid, const std::vector<Brick> &bricks, int level, const TriangleTree &tree,
                 Progress &progress)
 {
     constexpr std::size_t chunk = 128;
@@ -67,11 +69,15 @@ void make_exact(mesh::LevelSet &grid, const std::vector<Brick> &bricks, int leve
                 {brick.cell[0] + n % 3 - 1, brick.cell[1] + n / 3 % 3 - 1, brick.cell[2] + n / 9 - 1});
     std::vector<Cell> blocks = grid.blocks();
     std::erase_if(blocks, [&](const Cell &cell) { return !wanted.count(cell); });
+    std::atomic<bool> are_sides_right = true;
     const auto exact = [&](const Cell &at, float old_mm) {
         const float far_mm = std::abs(old_mm);
         if (far_mm > reach_mm) return old_mm;
         const Eigen::Vector3d p = (Eigen::Vector3d(at[0], at[1], at[2]).array() + 0.5) * voxel_mm(level);
-        return static_cast<float>(tree.nearest(p, 1.001 * far_mm + 1e-3).distance_mm);
+        const auto now_mm = static_cast<float>(tree.nearest(p, 1.001 * far_mm + 1e-3).distance_mm);
+        if (std::signbit(old_mm) != std::signbit(now_mm) && std::abs(now_mm) > voxel_mm(level))
+            are_sides_right = false;
+        return now_mm;
     };
     progress.stage("exact distances at " + std::to_string(voxel_mm(level)) + " mm", blocks.size());
     for (std::size_t first = 0; first < blocks.size(); first += chunk) {
@@ -80,6 +86,26 @@ void make_exact(mesh::LevelSet &grid, const std::vector<Brick> &bricks, int leve
                           [&](std::size_t i) { grid.change(blocks[i], exact); });
     }
     progress.finish();
+    return are_sides_right;
+}
+
+// Makes the grid of a level. The finer levels have few bricks, so the part of the mesh around these suffices.
+// If a mesh with folds should defeat the cut, the whole mesh gives the grid.
+mesh::LevelSet exact_distances(const std::vector<Brick> &bricks, int level, const TriangleTree &tree,
+                               Progress &progress)
+{
+    if (level > 0) {
+        std::vector<Cell> cells;
+        for (const Brick &brick : bricks) cells.push_back(brick.cell);
+        const Mesh part = near_part(tree, std::move(cells), 8 * voxel_mm(level));
+        if (part.triangles.size() < tree.mesh().triangles.size()) {
+            mesh::LevelSet grid = distances(part, level, progress);
+            if (make_exact(grid, bricks, level, tree, progress)) return grid;
+        }
+    }
+    mesh::LevelSet grid = distances(tree.mesh(), level, progress);
+    make_exact(grid, bricks, level, tree, progress);
+    return grid;
 }
 
 // --- prefilter: the inverse of (1/8, 3/4, 1/8) is c z^|n|, z = 2 sqrt 2 - 3; truncated, scaled to sum 1 ---
@@ -118,11 +144,11 @@ void filter_axis(std::vector<double> &values, std::array<int, 3> &size, int axis
 
 // --- one brick ---
 
-// Returns the distances in a brick (block of voxels) and in its surroundings, in units of the voxel size.
-std::vector<double> gather(const mesh::LevelSet &grid, const Cell &cell, double voxel)
+// Returns the distances in a brick (block of voxels) and up to `reach` voxels around it, in units of the
+// voxel size.
+std::vector<double> gather(const mesh::LevelSet &grid, const Cell &cell, int reach, double voxel)
 {
-    const int reach = 1 + filter_reach;
-    return grid.read({8 * cell[0] - reach, 8 * cell[1] - reach, 8 * cell[2] - reach}, block, voxel);
+    return grid.read({8 * cell[0] - reach, 8 * cell[1] - reach, 8 * cell[2] - reach}, 8 + 2 * reach, voxel);
 }
 
 // Returns whether some of the brick's distances lie in the range that the file stores. The test of a brick
@@ -132,9 +158,7 @@ std::uint16_t classify(const std::vector<double> &values, const FieldText &text,
     const double inside = std::min(text.inside_mm / voxel, coefficient_max) + 0.5;
     const double outside = std::min(text.outside_mm / voxel, coefficient_max) + 0.5;
     double low = INFINITY, high = -INFINITY;
-    for (int n = 0; n < 1000; ++n) {
-        const int x = n % 10 + filter_reach, y = n / 10 % 10 + filter_reach, z = n / 100 + filter_reach;
-        const double value = values[static_cast<std::size_t>((z * block + y) * block + x)];
+    for (double value : values) {
         low = std::min(low, value);
         high = std::max(high, value);
     }
@@ -195,7 +219,7 @@ bool is_wrong(const Brick &brick, int level, const TriangleTree &tree, const Fie
             (8.0 / test_points);
         const double guess = spline(brick.coefficients, x) * voxel;
         if (std::abs(guess) > band + voxel) continue;
-        const double exact = tree.nearest(corner + x * voxel).distance_mm;
+        const double exact = tree.nearest(corner + x * voxel, std::abs(guess) + voxel / 4).distance_mm;
         if (std::abs(exact) <= band && std::abs(guess - exact) > tolerance_mm) return true;
     }
     return false;
@@ -210,10 +234,10 @@ void make_bricks(std::vector<Brick> &bricks, int level, const mesh::LevelSet &gr
         progress.step(first);
         tbb::parallel_for(first, std::min(first + chunk, bricks.size()), [&](std::size_t i) {
             Brick &brick = bricks[i];
-            std::vector<double> values = gather(grid, brick.cell, voxel_mm(level));
-            brick.entry = classify(values, text, voxel_mm(level));
+            const double voxel = voxel_mm(level);
+            brick.entry = classify(gather(grid, brick.cell, 1, voxel), text, voxel);
             if (brick.entry != CRN_LUMEN_ENTRY_FIRST_BRICK) return;
-            brick.coefficients = quantise(std::move(values));
+            brick.coefficients = quantise(gather(grid, brick.cell, 1 + filter_reach, voxel));
             brick.refine = is_wrong(brick, level, tree, text);
         });
     }
@@ -319,8 +343,7 @@ Field make_field(const TriangleTree &tree, const FieldText &text, Progress &prog
     std::vector<std::vector<Brick>> levels;
     levels.push_back(coarse_bricks(tree.mesh(), text, field));
     for (int level = 0; level < CRN_LUMEN_LEVELS && !levels.back().empty(); ++level) {
-        mesh::LevelSet grid = distances(tree.mesh(), level, progress);
-        make_exact(grid, levels.back(), level, tree, progress);
+        const mesh::LevelSet grid = exact_distances(levels.back(), level, tree, progress);
         make_bricks(levels.back(), level, grid, tree, text, progress);
         check_budget(levels);
         levels.push_back(octants(levels.back()));

@@ -5,6 +5,7 @@
 //   ->  bricks, refined where the measured error exceeds the tolerance  ->  index, child rows, samples
 #pragma once
 #include "tools/bake/triangle_tree.hpp"
+#include "tools/mesh/level_set/level_set.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -47,6 +48,13 @@ struct FieldText {
 
 // Throws Fault when the lumen needs more bricks (blocks of voxels) than a scene file can hold.
 Field make_field(const TriangleTree &tree, const FieldText &text, Progress &progress);
+
+// Cuts out of a closed mesh the part on which the distances near some blocks of voxels depend. The finer
+// levels of a field cover only a small part of a lumen, and a level set of the whole lumen takes most of the
+// time of a bake. The cut is closed by squares. A level set of the result, with a band of 9 voxels, equals
+// the level set of the whole mesh in the blocks and in those beside them. A block is a cube of 8^3 voxels
+// with an edge of `block_mm`, and block (0, 0, 0) has a corner in the origin.
+Mesh near_part(const TriangleTree &tree, std::vector<mesh::Cell> blocks, double block_mm);
 
 crn_vec3 to_q30(const Eigen::Vector3d &p_mm);
 

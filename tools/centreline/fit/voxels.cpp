@@ -69,14 +69,14 @@ Eigen::Vector3d Voxels::centre_mm(std::size_t voxel) const
 
 long Voxels::nearest(const Eigen::Vector3d &p_mm, double reach_mm) const
 {
-    const Eigen::Array3i middle = (p_mm / voxel_mm_).array().round().cast<int>();
+    const Eigen::Array3i middle = (p_mm / voxel_mm_).array().round().cast<int>() - low_;
     const int reach = static_cast<int>(std::ceil(reach_mm / voxel_mm_));
     long best = -1;
     double best_mm = reach_mm;
     for (int z = -reach; z <= reach; ++z)
         for (int y = -reach; y <= reach; ++y)
             for (int x = -reach; x <= reach; ++x) {
-                const long voxel = at(middle + Eigen::Array3i(x, y, z));
+                const long voxel = at(middle[0] + x, middle[1] + y, middle[2] + z);
                 if (voxel < 0) continue;
                 const double distance = (centre_mm(voxel) - p_mm).norm();
                 if (distance <= best_mm) best_mm = distance, best = voxel;

@@ -30,12 +30,12 @@ class Voxels
     // they contain the segment between the centres, so this segment crosses no thin wall.
     template <typename Use> void each_neighbour(std::size_t voxel, Use use) const
     {
-        const Eigen::Array3i &cell = cell_[voxel];
+        const Eigen::Array3i local = cell_[voxel] - low_;
         for (int z = -1; z <= 1; ++z)
             for (int y = -1; y <= 1; ++y)
                 for (int x = -1; x <= 1; ++x) {
                     if (x == 0 && y == 0 && z == 0) continue;
-                    const long other = at({cell[0] + x, cell[1] + y, cell[2] + z});
+                    const long other = at(local[0] + x, local[1] + y, local[2] + z);
                     if (other < 0) continue;
                     const double distance = step_mm_[x * x + y * y + z * z];
                     if (depth_mm_[voxel] + depth_mm_[other] >= distance)
@@ -44,15 +44,15 @@ class Voxels
     }
 
   private:
-    // -1: outside.
-    long at(const Eigen::Array3i &cell) const
+    // The voxel's number, or -1 outside. The position counts from `low_`. Searches call this 26 times per
+    // voxel.
+    long at(int x, int y, int z) const
     {
-        const Eigen::Array3i local = cell - low_;
-        if (local.minCoeff() < 0) return -1;
-        const Eigen::Array3i b(local[0] >> 3, local[1] >> 3, local[2] >> 3);
-        if ((b >= bricks_).any()) return -1;
+        if (x < 0 || y < 0 || z < 0) return -1;
+        const Eigen::Array3i b(x >> 3, y >> 3, z >> 3);
+        if (b[0] >= bricks_[0] || b[1] >= bricks_[1] || b[2] >= bricks_[2]) return -1;
         const std::int32_t brick = brick_of_[brick_index(b)];
-        return brick < 0 ? -1 : brick_[brick][(local[0] & 7) + 8 * ((local[1] & 7) + 8 * (local[2] & 7))];
+        return brick < 0 ? -1 : brick_[brick][(x & 7) + 8 * ((y & 7) + 8 * (z & 7))];
     }
     std::size_t brick_index(const Eigen::Array3i &b) const
     {
