@@ -169,6 +169,12 @@ bool session_holds(const ConditionAtom &atom, const SessionLog &log, std::size_t
         return atom.allows(now.wall_N);
     case Kind::line_without_wire:
         return !now.has_wire;
+    case Kind::perforated:
+        return i > 0 && now.perforations > log.moments[i - 1].perforations;
+    case Kind::dissected:
+        return i > 0 && now.dissections > log.moments[i - 1].dissections;
+    case Kind::blood_loss_ml:
+        return atom.allows(now.blood_loss_ml - then.blood_loss_ml);
     default:
         return false;
     }

@@ -54,6 +54,9 @@ struct ConditionAtom {
         lesion_open_pct,
         wall_N,
         line_without_wire,
+        perforated,
+        dissected,
+        blood_loss_ml,
     };
     Kind kind = Kind::xray;
     std::size_t tool = 0, other = 0;

@@ -19,9 +19,9 @@ const std::vector<Unit> shares = {{"%", 1.0}};
 const std::vector<std::string> hand_words = {"advances", "withdraws", "moves", "turns", "inserted", "force"};
 const std::vector<std::string> tip_words = {"in", "off", "ahead", "moves", "fixed"};
 const std::vector<std::string> first_words = {
-    "x-ray",    "acquiring", "c-arm",   "injecting", "injected", "runs",        "filled", "empty",
-    "time",     "tip",       "balloon", "stent",     "lesion",   "wall",        "line",   "wire",
-    "catheter", "guide",     "tool",    "damped",    "pressure", "unaspirated", "not",    "("};
+    "x-ray", "acquiring", "c-arm",    "injecting",   "injected", "runs",  "filled", "empty",    "time",
+    "tip",   "balloon",   "stent",    "lesion",      "wall",     "line",  "wire",   "catheter", "guide",
+    "tool",  "damped",    "pressure", "unaspirated", "vessel",   "blood", "not",    "("};
 
 // Splits a condition into words and brackets. Quotation marks around the name of a vessel are removed.
 std::vector<Token> words_of(std::string text, int column)
@@ -145,6 +145,14 @@ class ConditionParser
         if (word == "wall") {
             line_.expect("force");
             return bounded(Kind::wall_N, "force", forces, 1e3);
+        }
+        if (word == "vessel") {
+            const std::string how = line_.choice("injury of a vessel", {"perforated", "dissected"});
+            return of(how == "perforated" ? Kind::perforated : Kind::dissected);
+        }
+        if (word == "blood") {
+            line_.expect("loss");
+            return bounded(Kind::blood_loss_ml, "volume", volumes, 1e4);
         }
         if (word == "line") {
             line_.expect("without");

@@ -165,6 +165,9 @@ void AssessObserver::look_at_vessels(const WireFrame &wire, SessionMoment &momen
         moment.lesion_open_pct =
             100.0 * *std::max_element(wire.lesions_open.begin(), wire.lesions_open.end());
     if (patient_.stents()) look_at_stents(wire, moment);
+    moment.perforations = static_cast<int>(patient_.complications().count(InjuryKind::perforation));
+    moment.dissections = static_cast<int>(patient_.complications().count(InjuryKind::dissection));
+    moment.blood_loss_ml = patient_.contrast().flow().wounds().leaked_ml();
 }
 
 void AssessObserver::look_at_stents(const WireFrame &wire, SessionMoment &moment)

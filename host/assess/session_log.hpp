@@ -49,6 +49,8 @@ struct SessionMoment {
     double lesion_open_pct =
         0.0;             // of the lesions that yield, where they opened most: 0 as baked, 100 healthy
     double wall_N = 0.0; // sum of all contact forces
+    int perforations = 0, dissections = 0; // of vessels, since the start
+    double blood_loss_ml = 0.0;            // through their walls
 };
 
 struct SessionLog {

@@ -69,6 +69,9 @@ const std::vector<Measure> &case_measures()
         {"bursts_and_losses", "burst balloons and lost stents", ""},
         {"stents_deployed", "deployed stents", ""},
         {"refusals", "refused requests", ""},
+        {"perforations", "perforated vessels", ""},
+        {"dissections", "dissected vessels", ""},
+        {"blood_loss_ml", "blood lost through walls of vessels", "ml"},
         {"angioplasty_percent", "score of the angioplasty", "%"},
     };
     return measures;
@@ -105,6 +108,8 @@ std::optional<double> measured(const std::string &name, const Json &report)
     if (name == "bursts_and_losses") return bursts_and_losses(report);
     if (name == "stents_deployed") return stents_deployed(report);
     if (name == "refusals") return count_of(report.at("refused"));
+    if (name == "perforations" || name == "dissections" || name == "blood_loss_ml")
+        return report.at("complications").at(name).get<double>();
     const Json &percent = report.at("score").at("percent"); // angioplasty_percent
     return percent.is_number() ? percent.get<double>() : std::optional<double>();
 }

@@ -11,6 +11,7 @@
 #include "host/command/cli_rig.hpp"
 #include "host/command/names.hpp"
 #include "host/command/start.hpp"
+#include "host/complications/limits.hpp"
 #include "host/igtl/feed.hpp"
 #include "host/model/units.hpp"
 #include "host/report/instrument_list.hpp"
@@ -171,6 +172,16 @@ void add_stents(CLI::App &command, std::vector<std::string> &stents, PictureSett
         ->check(CLI::Range(0.0, 350.0));
 }
 
+void add_complications(CLI::App &command, std::string &complications)
+{
+    const Group group(command, "Patient and tools");
+    command
+        .add_option("--complications", complications,
+                    "File of the limits at which vessels are dissected or perforated "
+                    "(docs/complications.md), or off: vessels bear everything")
+        ->type_name("FILE|off");
+}
+
 void add_device(CLI::App &command, std::string &device)
 {
     const Group group(command, "Rig");
@@ -214,6 +225,7 @@ void add_run(CLI::App &app, RunOptions &options)
     add_scene(*command, options.scene, "that of the session, else free space");
     add_tools(*command, options.instrument, options.tools, options.line);
     add_stents(*command, options.stents, options.pictures);
+    add_complications(*command, options.complications);
     command
         ->add_option("--free-run", options.free_run_s,
                      "Instead of a script: FREE_RUN for so many seconds, 0: until Ctrl-C (docs/rig.md)")
@@ -330,6 +342,7 @@ void add_view(CLI::App &app, WindowOptions &options)
     add_scene(*command, options.scene, "free space, or aorta if no tool is named either");
     add_tools(*command, options.instrument, options.tools, options.line);
     add_stents(*command, options.stents, options.pictures);
+    add_complications(*command, options.complications);
     add_device(*command, options.device);
     add_output(*command, "--record", options.record,
                "Write the recording of what the hands do here; without: by date and time in "
@@ -425,6 +438,14 @@ crn_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,
         throw UsageError("--inserted is given " + std::to_string(inserted_um.size()) +
                          " times, but there are only " + std::to_string(tool_count) + " tools");
     return entry_of(scene, tool_count, inserted_um);
+}
+
+std::vector<RoomCommand> complication_commands(const std::string &complications)
+{
+    if (complications.empty()) return {};
+    ComplicationLimits limits;
+    limits.is_on = complications != "off";
+    return commands_of(limits.is_on ? read_complications(complications) : limits);
 }
 
 std::vector<RoomCommand> entry_commands(const SceneFile &scene)

@@ -21,6 +21,7 @@ struct RunOptions {
     std::string scene, instrument, session, record, json, score, timing, hands;
     std::string device = "sim"; // as parse_device
     std::vector<std::string> tools, stents;
+    std::string complications;     // file of limits, or "off"; empty: as they ship
     std::vector<std::string> line; // as WindowOptions::line; replaces the script's `begin with`
     PictureSettings pictures;
     PlanOptions plan; // without a plan the session is not assessed
@@ -64,6 +65,9 @@ int command_surface(const SurfaceOptions &options);
 int command_info_opengl();
 int command_info(const std::string &path);
 int command_instruments(const InstrumentsOptions &options);
+
+// Returns the commands that the option --complications asks for at the start. Throws FileError.
+std::vector<RoomCommand> complication_commands(const std::string &complications);
 
 // Returns the tools from the innermost to the outermost: the tool of the option --instrument first, then the
 // tool of every option --tool. Throws UsageError if there is no tool, or more tools than `most`; throws

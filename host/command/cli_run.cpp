@@ -35,6 +35,8 @@ void check_files(const RunOptions &options, const PictureSettings &pictures)
     inputs.insert(
         inputs.end(),
         {{"--scene", options.scene}, {"--session", options.session}, {"--bodies", pictures.bodies_path}});
+    if (options.complications != "off") inputs.push_back({"--complications", options.complications});
+    complication_commands(options.complications); // a mistake in the file is reported before the session
     if (options.free_run_s && !options.hands.empty())
         throw UsageError("--hands changes a script: name a session");
     if (options.free_run_s && !options.plan.plan.empty())
@@ -58,11 +60,14 @@ RunResult carry_out(Device &device, Patient &patient, const SceneFile &scene, co
     RunSettings settings{!options.quiet && shows_progress()};
     settings.tips = &tips;
     settings.witness = &witness;
+    const std::vector<RoomCommand> limits = complication_commands(options.complications);
     if (!options.free_run_s) {
         settings.begin = begin_commands(session, patient);
+        settings.begin.insert(settings.begin.end(), limits.begin(), limits.end());
         return run_session(device, patient, session, recorder, sink, settings);
     }
     settings.begin = entry_commands(scene);
+    settings.begin.insert(settings.begin.end(), limits.begin(), limits.end());
     if (patient.stents() && balloon_tool(patient.tools())) settings.begin.push_back(first_stent);
     return run_free_session(device, patient, settings.begin, *options.free_run_s, recorder, sink, settings);
 }

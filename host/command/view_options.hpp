@@ -21,6 +21,7 @@ struct WindowOptions {
     // not in the vessels at the start can be loaded during the session.
     std::vector<std::string> line;
     std::vector<std::string> stents; // files, in the order of loading
+    std::string complications;       // file of limits, or "off"; empty: as they ship
     std::string device = "sim";      // as parse_device
     // Holds the paths of two files that are written at the end of each session: the report with its figures,
     // and the page of the score. A file whose path is empty is not written. After a reset of the session, the

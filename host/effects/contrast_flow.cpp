@@ -128,6 +128,23 @@ void ContrastFlow::reshape(const VesselTree &opened, int steps)
     network_.reshape(cells_, tool_mm_);
 }
 
+void ContrastFlow::set_hole(std::size_t index, const WallHole &hole)
+{
+    wounds_.set_hole(index, hole);
+    take_wounds();
+}
+
+void ContrastFlow::set_flap(std::size_t index, const WallFlap &flap)
+{
+    wounds_.set_flap(index, flap);
+    take_wounds();
+}
+
+void ContrastFlow::take_wounds()
+{
+    network_.set_wounds(wounds_.open_holes(), wounds_.open_shares(cells_.size()), tool_mm_);
+}
+
 void find_thickest(const FlowCells &cells, std::span<const ToolBall> balls, std::vector<double> &tool_mm)
 {
     tool_mm.assign(cells.size(), 0.0);
@@ -174,9 +191,13 @@ void ContrastFlow::step(const FlowDrive &drive, const InjectedFluid &fluid)
     if (widening_steps_ > 0) end_widening();
     mix(step_s);
     empty_sinuses(step_s);
+    if (!wounds_.is_empty()) {
+        wounds_.pass(network_, step_s);
+        wounds_.exchange(volume_ml_, core_mg_, wall_mg_, step_s);
+    }
     const std::vector<FlowRun> &runs = network_.runs();
     for (std::size_t r = 0; r < runs.size(); ++r)
-        if (network_.outflow_ml_s(r) > 0.0) distal_.pass(runs[r].end - 1, network_.outflow_ml_s(r) * step_s);
+        if (network_.bed_ml_s(r) > 0.0) distal_.pass(runs[r].end - 1, network_.bed_ml_s(r) * step_s);
     distal_.step();
 }
 
@@ -185,7 +206,8 @@ void ContrastFlow::step(const FlowDrive &drive, const InjectedFluid &fluid)
 // spread evenly over the remaining time steps.
 void ContrastFlow::find_widening()
 {
-    const double lumen_mg = budget_.injected_mg - budget_.out_mg - budget_.reflux_mg;
+    const double lumen_mg =
+        budget_.injected_mg - budget_.out_mg - budget_.reflux_mg - budget_.leaked_mg - wounds_.pocket_mg();
     for (std::size_t i = 0; i < stretch_.size() && widening_steps_ == 0; ++i) {
         // After a pause of the simulation the volumes are those of another moment of the beat.
         const double most_ml = stretch_step_max * volume_ml_[i];
@@ -297,8 +319,17 @@ void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
         const std::size_t begin = runs[r].begin, last = runs[r].end - 1;
         for (std::size_t i = begin; i < last; ++i) mg[i] += in[i] - in[i + 1];
         mg[last] += in[last] - out_mg_[r];
-        budget_.out_mg += out_mg_[r];
-        if (out_mg_[r] != 0.0) distal_.take(runs[r].end - 1, out_mg_[r]);
+        double bed_mg = out_mg_[r];
+        if (network_.leak_ml_s(r) > 0.0) { // a part of it leaves through holes
+            const double share =
+                network_.bed_ml_s(r) > 0.0 ? network_.leak_ml_s(r) / network_.outflow_ml_s(r) : 1.0;
+            const double leaked_mg = share * out_mg_[r];
+            wounds_.leak(last, network_.leak_ml_s(r) * share_s, leaked_mg);
+            budget_.leaked_mg += leaked_mg;
+            bed_mg -= leaked_mg;
+        }
+        budget_.out_mg += bed_mg;
+        if (bed_mg != 0.0) distal_.take(runs[r].end - 1, bed_mg);
         branch_out_mg_[static_cast<std::size_t>(cells_[last].branch)] += out_mg_[r];
         const auto branch = static_cast<std::size_t>(cells_[begin].branch);
         if (in[begin] < 0.0 && has_sinus_[branch] && begin == cells_.branch_begin(branch))
@@ -355,7 +386,7 @@ double ContrastFlow::held_mg() const
     double sum = 0.0;
     for (std::size_t i = 0; i < core_mg_.size(); ++i) sum += core_mg_[i] + wall_mg_[i];
     for (double mg : sinus_mg_) sum += mg;
-    return sum;
+    return sum + wounds_.pocket_mg();
 }
 
 // Sums two amounts of contrast medium for each branch: what entered at the branch's beginning, and what was
@@ -368,6 +399,8 @@ std::vector<double> ContrastFlow::received_mg() const
     for (std::size_t b = 0; b < count; ++b) {
         const std::size_t begin = cells_.branch_begin(b), end = cells_.branch_begin(b + 1);
         for (std::size_t i = begin; i < end; ++i) behind_mg[b] += core_mg_[i] + wall_mg_[i];
+        for (const WallFlap &flap : wounds_.flaps())
+            if (flap.begin >= begin && flap.begin < end) behind_mg[b] += flap.iodine_mg;
         if (begin < end && cells_[begin].upstream >= 0)
             parents[b] = cells_[static_cast<std::size_t>(cells_[begin].upstream)].branch;
         if (parents[b] >= 0) behind_mg[static_cast<std::size_t>(parents[b])] += sinus_mg_[b];
@@ -394,7 +427,9 @@ void ContrastFlow::archive(StateArchive &state)
     state.index(cells, SIZE_MAX);
     state.require(cells == cells_.size());
     distal_.archive(state);
-    for (double *sum : {&budget_.injected_mg, &budget_.out_mg, &budget_.reflux_mg}) state.real(*sum);
+    for (double *sum : {&budget_.injected_mg, &budget_.out_mg, &budget_.reflux_mg, &budget_.leaked_mg})
+        state.real(*sum);
+    wounds_.archive(state, cells_.size());
     for (std::vector<double> *sums : {&branch_injected_mg_, &branch_out_mg_}) state.reals(*sums);
     state.reals(sinus_mg_);
     state.integer(widening_steps_, 0, 1000);
@@ -417,7 +452,7 @@ void ContrastFlow::archive(StateArchive &state)
     if (!state.restores() || state.is_refused()) return;
     network_.set_throat_flows(throats);
     take_volumes();
-    network_.set_tools(tool_mm_);
+    take_wounds(); // and the tools
 }
 
 std::vector<std::uint8_t> ContrastFlow::snapshot() const

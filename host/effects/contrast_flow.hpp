@@ -15,6 +15,7 @@
 #include "host/base/state_archive.hpp"
 #include "host/effects/distal_flow.hpp"
 #include "host/effects/flow_network.hpp"
+#include "host/effects/wounds.hpp"
 #include <cstdint>
 #include <span>
 #include <string>
@@ -58,6 +59,7 @@ struct IodineBudget {
     double injected_mg = 0.0;
     double out_mg = 0.0;    // into the small vessels and beds behind the outlets
     double reflux_mg = 0.0; // back through the inlet
+    double leaked_mg = 0.0; // through holes in the wall, into the tissue
 };
 
 class ContrastFlow
@@ -92,7 +94,15 @@ class ContrastFlow
     // its ostium, mg.
     double sinus_mg(std::size_t branch) const { return sinus_mg_[branch]; }
 
-    double held_mg() const; // in the lumen, with the sinuses
+    // Injures the vessels: adds a hole or a flap, or changes the one with this index. From then on, blood
+    // leaves through the holes, and flaps narrow the lumen and hold medium.
+    void set_hole(std::size_t index, const WallHole &hole);
+    void set_flap(std::size_t index, const WallFlap &flap);
+    const Wounds &wounds() const { return wounds_; }
+    // Lets the resistances follow holes that close; the caller decides at which ticks.
+    void take_wounds();
+
+    double held_mg() const; // in the lumen, with the sinuses and the pockets behind flaps
     const IodineBudget &budget() const { return budget_; }
     // Returns for each branch the amount of contrast medium that entered the branch and did not flow back.
     // Contrast medium may be injected into the branch, or come from the vessel upstream or from a branch
@@ -137,6 +147,7 @@ class ContrastFlow
     std::vector<double> tool_mm_;    // thickest tool in the cell
     std::vector<CellSource> mouths_; // shares
     std::vector<double> core_mg_, wall_mg_;
+    Wounds wounds_;
     std::vector<double> sinus_mg_;        // of each branch
     std::vector<std::uint8_t> has_sinus_; // of each branch: it is a coronary artery that leaves the aorta
     IodineBudget budget_;

@@ -139,7 +139,13 @@ void FlowNetwork::set_tools(std::span<const double> tool_radius_mm)
     resistance_.resize(open_.size());
     for (std::size_t i = 0; i < open_.size(); ++i) {
         const double radius_mm = i < tool_radius_mm.size() ? tool_radius_mm[i] : 0.0;
-        const double left = open_[i] * (radius_mm > 0.0 ? annulus_share(radius_mm / radius_mm_[i]) : 1.0);
+        double lumen_mm = radius_mm_[i], open = open_[i];
+        if (!open_share_.empty()) { // by Poiseuille's law, as the fourth power of the radius
+            const double square = open_share_[i] * open_share_[i];
+            lumen_mm *= open_share_[i];
+            open *= square * square;
+        }
+        const double left = open * (radius_mm > 0.0 ? annulus_share(radius_mm / lumen_mm) : 1.0);
         resistance_[i] = left > 0.0 ? 1.0 / left : std::numeric_limits<double>::infinity();
     }
     for (std::size_t k = 0; k < throats_.size(); ++k) {
@@ -147,6 +153,16 @@ void FlowNetwork::set_tools(std::span<const double> tool_radius_mm)
         throat_loss_[k] = loss_of(throats_[k], cell < tool_radius_mm.size() ? tool_radius_mm[cell] : 0.0);
     }
     set_ways();
+}
+
+void FlowNetwork::set_wounds(std::span<const CellHole> holes, std::span<const double> open_share,
+                             std::span<const double> tool_radius_mm)
+{
+    leak_.assign(holes.empty() ? 0 : open_.size(), 0.0);
+    for (const CellHole &hole : holes) leak_[hole.cell] += hole.ml_s_per_mmHg;
+    open_share_.assign(open_share.begin(), open_share.end());
+    set_tools(tool_radius_mm);
+    divide({});
 }
 
 void FlowNetwork::set_throat_flows(std::span<const double> flows_ml_s)
@@ -165,12 +181,14 @@ void FlowNetwork::settle(const FlowDrive &drive)
     }
 }
 
-// Divides the cells into runs, which are rows of consecutive cells: a run ends where the flow divides or
-// fluid is injected.
+// Divides the cells into runs, which are rows of consecutive cells: a run ends where the flow divides,
+// where fluid is injected, and where blood leaves through a hole in the wall.
 void FlowNetwork::divide(std::span<const CellSource> sources)
 {
     source_cells_.clear();
     std::vector<std::uint8_t> ends = ends_run_;
+    for (std::size_t i = 0; i < leak_.size(); ++i)
+        if (leak_[i] > 0.0) ends[i] = 1;
     for (const CellSource &source : sources) {
         source_cells_.push_back(source.cell);
         ends[source.cell] = 1;
@@ -239,8 +257,10 @@ void FlowNetwork::solve(const FlowDrive &drive, std::span<const CellSource> sour
     for (std::size_t r = 0; r < runs_.size(); ++r) {
         const std::size_t last = runs_[r].end - 1;
         const double outlet = outlet_[last] > 0.0 ? outlet_[last] * drive.of(bed_[last]) : 0.0;
-        flows_[r].out_ml_s = outlet;
-        rows_[r].conductance = outlet;
+        const double leak = leak_.empty() ? 0.0 : leak_[last];
+        flows_[r].leak_ml_s = leak;
+        flows_[r].out_ml_s = outlet + leak;
+        rows_[r].conductance = outlet + leak;
         rows_[r].source = rows_[r].injected_ml_s = 0.0;
     }
     for (const CellSource &source : sources) {
@@ -265,6 +285,7 @@ void FlowNetwork::solve(const FlowDrive &drive, std::span<const CellSource> sour
             up < 0 ? drive.pressure_mmHg : rows_[static_cast<std::size_t>(up)].pressure_mmHg;
         row.pressure_mmHg = sum > 0.0 ? (row.way * before + row.source) / sum : 0.0;
         flows_[r].out_ml_s *= row.pressure_mmHg;
+        flows_[r].leak_ml_s *= row.pressure_mmHg;
         flows_[r].in_ml_s = flows_[r].out_ml_s - row.injected_ml_s;
     }
     // The flow into a run of cells is computed from the flows out of it. A sum of flows is numerically exact,

@@ -25,6 +25,15 @@ struct CellSource {
     double flow_ml_s = 0.0;
 };
 
+// Describes a hole in the wall of a cell through which blood leaves the vessels: its flow is the conductance
+// times the pressure above the veins, because the tissue around the vessel has the veins' pressure.
+struct CellHole {
+    std::size_t cell = 0;
+    double ml_s_per_mmHg = 0.0;
+
+    bool operator==(const CellHole &) const = default;
+};
+
 // Describes consecutive cells of a vessel with no source or outlet between them, so that the same flow passes
 // through all of them.
 struct FlowRun {
@@ -45,6 +54,10 @@ class FlowNetwork
     void set_volumes(std::span<const double> volume_ml); // of the cells
     // Sets the radius of the thickest tool in each cell, in mm; 0 means that the cell contains no tool.
     void set_tools(std::span<const double> tool_radius_mm);
+    // Sets the holes in the wall, and the share of each cell's radius that flaps leave open; an empty list of
+    // shares means that no cell is narrowed. `tool_radius_mm` is as in set_tools.
+    void set_wounds(std::span<const CellHole> holes, std::span<const double> open_share,
+                    std::span<const double> tool_radius_mm);
     // If `is_inlet_shut`, no blood passes the inlet, and the sources alone drive the flow.
     void solve(const FlowDrive &drive, std::span<const CellSource> sources, bool is_inlet_shut = false);
     // Repeats the solution until the flows through the stenoses agree with the stenoses' resistances, which
@@ -57,9 +70,12 @@ class FlowNetwork
     const std::vector<FlowRun> &runs() const { return runs_; }
     std::size_t run_of(std::size_t cell) const { return run_of_[cell]; }
     // The next functions return flows in ml/s: the flow from upstream into the run (negative: out of the
-    // run), and the flow from its last cell into the vascular bed.
+    // run), the flow from its last cell out of the vessels, and the parts of it that leave through holes in
+    // the wall and into the vascular bed.
     double inflow_ml_s(std::size_t run) const { return flows_[run].in_ml_s; }
     double outflow_ml_s(std::size_t run) const { return flows_[run].out_ml_s; }
+    double leak_ml_s(std::size_t run) const { return flows_[run].leak_ml_s; }
+    double bed_ml_s(std::size_t run) const { return flows_[run].out_ml_s - flows_[run].leak_ml_s; }
 
     double pressure_mmHg(std::size_t cell) const; // above the veins
 
@@ -71,7 +87,7 @@ class FlowNetwork
 
   private:
     struct Flow {
-        double in_ml_s = 0.0, out_ml_s = 0.0;
+        double in_ml_s = 0.0, out_ml_s = 0.0, leak_ml_s = 0.0;
     };
     struct Row {                  // of the elimination, at a run's last cell
         double conductance = 0.0; // of everything behind it, seen from the cell
@@ -97,6 +113,8 @@ class FlowNetwork
         resistance_; // of the path into each cell: conductance without tools, resistance with tools
     std::vector<double> outlet_; // mean conductance behind it
     std::vector<VesselBed> bed_;
+    std::vector<double> leak_;       // conductance of the holes in each cell; empty: there are none
+    std::vector<double> open_share_; // of each cell's radius; empty: no flap narrows a cell
     std::vector<double> radius_mm_, volume_ml_;
     std::vector<std::uint8_t> ends_run_;    // without sources
     std::vector<std::size_t> source_cells_; // cells at which the runs were divided

@@ -121,6 +121,7 @@ class World
     void note(const crn_wire_tick_state &state);
     void compare(const crn_wire_tick_state &state, const Recording &recording) const;
     void sample_contacts();
+    void feel();
     void take_hands(const crn_wire_tick_input &input);
     void check_ticks(std::size_t ticks) const;
     void try_orders(const crn_wire_order_list &orders);

@@ -243,6 +243,8 @@ std::uint32_t World::batch_size(std::uint32_t left, const Recording *recording) 
     const std::uint32_t now = tick();
     std::uint32_t count = std::min<std::uint32_t>(left, Link::steps_max);
     if (patient_ && patient_->next_look() > now) count = std::min(count, patient_->next_look() - now);
+    if (patient_ && patient_->can_be_injured())
+        count = std::min(count, Patient::feel_every_ticks - now % Patient::feel_every_ticks);
     if (settings_.contact_ticks > 0)
         count = std::min(count, settings_.contact_ticks - now % settings_.contact_ticks);
     if (recorder_)
@@ -299,6 +301,7 @@ void World::batch(std::uint32_t done, std::uint32_t count, const Source &source)
     if (source.sets_hands) take_hands(inputs_.back());
     record_state();
     sample_contacts();
+    feel();
     if (source.recording)
         for (const crn_wire_tick_state &state : states) compare(state, *source.recording);
 }
@@ -323,6 +326,17 @@ void World::sample_contacts()
     wall_N_ = contact_sum_N(link_.read_contacts());
     wall_peak_N_ = std::max(wall_peak_N_, wall_N_);
     has_contacts_ = false; // the views are made when they are asked for
+}
+
+// A script's session passes the forces of the walls to the patient itself.
+void World::feel()
+{
+    if (!patient_ || is_led_ || !patient_->can_be_injured() || tick() % Patient::feel_every_ticks != 0)
+        return;
+    has_contacts_ = false; // the views are made when they are asked for
+    if (!patient_->feel(link_.read_contacts())) return;
+    nodes();
+    patient_->locate(frame_);
 }
 
 // --- replay ---

@@ -195,9 +195,18 @@ void LiveSession::batch(std::uint32_t count)
     done_tick_ = link.tick();
     record_state();
     if (link.tick() % ContactFigures::look_every_ticks == 0)
-        device_.ask([&](Link &asked) { contacts_.take(asked.read_contacts()); });
+        device_.ask([&](Link &asked) { look_at_contacts(asked); });
     if (is_look_due) look();
     if (figures_.range.is_left()) stop_out_of_range();
+}
+
+void LiveSession::look_at_contacts(Link &link)
+{
+    const crn_wire_contacts &contacts = link.read_contacts();
+    contacts_.take(contacts);
+    if (!patient_->can_be_injured() || !patient_->feel(contacts)) return;
+    link.read_nodes();
+    patient_->locate(session_frame(device_, state_, inputs_.back()).wire);
 }
 
 // A real rig has its own clock, and this function reads that clock once for every redrawn screen. A simulated

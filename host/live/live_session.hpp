@@ -85,6 +85,7 @@ class LiveSession final : private FreeRunSink
     void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes) override;
     void resumed(std::uint32_t tick, std::span<const std::uint8_t> bytes) override;
     void record_state();
+    void look_at_contacts(Link &link);
     void pass(std::uint32_t tick, const RoomCommand &command);
     void look_at_pedals();
     void look();

@@ -108,7 +108,8 @@ bool ReplayRoom::prepare(std::uint32_t count)
         const std::uint32_t now = device.link().tick();
         std::uint32_t next = std::min(end, now - now % batch_ticks + batch_ticks);
         next = std::min({next, std::max(track_patient_->next_look(), now + 1),
-                         now - now % carm_every_ticks + carm_every_ticks});
+                         now - now % carm_every_ticks + carm_every_ticks,
+                         now - now % Patient::feel_every_ticks + Patient::feel_every_ticks});
         if (command_ < recording_.commands.size())
             next = std::min(next, std::max(recording_.commands[command_].tick, now + 1));
         if (const RecordedSnapshot *resumed = recording_.resumed_at(now)) device.restore(resumed->bytes);
@@ -118,6 +119,7 @@ bool ReplayRoom::prepare(std::uint32_t count)
         const auto states = device.link().step(inputs, true);
         for (std::size_t i = 0; i < states.size(); ++i) track_patient_->tick(inputs[i], states[i]);
         track_state_ = states.back();
+        feel_walls(device);
         const bool is_commanded =
             command_ < recording_.commands.size() && recording_.commands[command_].tick <= next;
         for (; command_ < recording_.commands.size() && recording_.commands[command_].tick <= next;
@@ -134,6 +136,14 @@ bool ReplayRoom::prepare(std::uint32_t count)
         prepared_ = next;
     }
     return device.link().tick() < ticks();
+}
+
+// The patient is injured as in the recorded session.
+void ReplayRoom::feel_walls(Device &device)
+{
+    if (!track_patient_->can_be_injured() || device.link().tick() % Patient::feel_every_ticks != 0) return;
+    if (track_patient_->feel(device.link().read_contacts()))
+        track_patient_->locate(session_frame(device, track_state_, {}).wire);
 }
 
 // Advances the device to the wanted tick for the pictures, either from its present tick or from the nearest

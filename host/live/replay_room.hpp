@@ -69,6 +69,7 @@ class ReplayRoom
         std::shared_ptr<const std::vector<SweptCurve>> curves; // medium and struts; null: none
     };
     void look_at_track();
+    void feel_walls(Device &device);
     void go_to(std::uint32_t tick);
     void step_to(Device &device, std::uint32_t tick, crn_wire_tick_state &state) const;
 

@@ -99,6 +99,11 @@ void CatheterPressure::advance(const WireFrame &wire)
     has_place_ = true;
 }
 
+void CatheterPressure::set_wounds(std::span<const CellHole> holes, std::span<const double> open_share)
+{
+    network_.set_wounds(holes, open_share, tool_mm_);
+}
+
 bool CatheterPressure::is_blocked() const
 {
     constexpr double blocked_share = 0.1;

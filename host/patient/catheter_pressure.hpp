@@ -54,6 +54,8 @@ class CatheterPressure
     void set_tools(const std::vector<Instrument> &tools, ChangedPositions changed);
     std::uint32_t next_tick() const; // UINT32_MAX: no catheter lies in the vessels
     void advance(const WireFrame &wire);
+    // Adopts wounds of the vessels (FlowNetwork::set_wounds).
+    void set_wounds(std::span<const CellHole> holes, std::span<const double> open_share);
     void tick(double aortic_mmHg, const crn_wire_tick_state &state);
 
     // Returns true if a catheter lies in the vessels and its tip has been located.

@@ -265,21 +265,23 @@ std::string PatientContrast::command(std::uint32_t tick, const RoomCommand &comm
 
 std::uint32_t PatientContrast::next_tick() const
 {
-    if (state_ == State::idle || (state_ == State::waits && injector_.is_empty())) return never;
+    if (look_due() == never) return never;
     return static_cast<std::uint32_t>(std::max<std::int64_t>(look_due(), seen_tick_ + 1));
 }
 
 // Returns the next tick at which the shape of the tools must be read: a multiple of look_every_ticks,
-// whichever other frames are requested.
+// whichever other frames are requested; never, if there is nothing to simulate.
 std::uint32_t PatientContrast::look_due() const
 {
     if (state_ == State::flows) return (look_tick_ / look_every_ticks + 1) * look_every_ticks;
-    return (injector_.first_tick() + look_every_ticks - 1) / look_every_ticks * look_every_ticks;
+    if (state_ == State::idle || injector_.is_empty()) return wake_tick_;
+    return std::min(wake_tick_,
+                    (injector_.first_tick() + look_every_ticks - 1) / look_every_ticks * look_every_ticks);
 }
 
 // Advances the medium to the frame's tick, with the tools at their last known positions. If the shape of the
 // tools must be read at this tick, it is read from the frame after the medium has been advanced.
-void PatientContrast::advance(const WireFrame &wire)
+bool PatientContrast::advance(const WireFrame &wire)
 {
     const std::uint32_t now = wire.tick;
     const Clock::time_point begin = Clock::now();
@@ -289,21 +291,25 @@ void PatientContrast::advance(const WireFrame &wire)
             const auto at = static_cast<std::uint32_t>(tick);
             fluid_ = injector_.take(at);
             note_given(at);
-            flow_.step(flow_drive(beat_at(at, next)), fluid_);
+            FlowDrive drive = flow_drive(beat_at(at, next));
+            if (pressure_share_ < 1.0) drive.pressure_mmHg *= pressure_share_;
+            flow_.step(drive, fluid_);
             stream_.strength = fluid_.flow_ml_s > 0.0 ? 1.0 : std::max(stream_.strength - stream_fades, 0.0);
         }
     beats_.clear();
     if (state_ == State::flows || next_tick() <= now) place_vessels(wire);
-    if (next_tick() != never && now >= look_due()) look(wire);
+    const bool is_look_due = next_tick() != never && now >= look_due();
+    if (is_look_due) look(wire);
     seen_tick_ = now;
     seen_open_ = wire.lesions_open;
     const Clock::time_point stepped = Clock::now();
     cost_.step_s += seconds(stepped - begin);
-    if (state_ != State::flows && curves_.empty()) return;
+    if (state_ != State::flows && curves_.empty()) return is_look_due;
     curves_mg_per_ml_ = iodine_mg_per_ml_;
     make_curves();
     cost_.frame_s += seconds(Clock::now() - stepped);
     ++cost_.frames;
+    return is_look_due;
 }
 
 // Records the volume of medium that was injected during the tick that ends now.
@@ -341,15 +347,18 @@ std::optional<RunContrast> PatientContrast::given(std::uint32_t from, std::uint3
 bool PatientContrast::is_forgotten() const
 {
     return injector_.is_empty() && flow_.held_mg() < forgotten_mg &&
-           flow_.distal().visible_mg() < invisible_distal_mg;
+           flow_.distal().visible_mg() < invisible_distal_mg && !flow_.wounds().is_bleeding();
 }
 
 void PatientContrast::look(const WireFrame &wire)
 {
     look_tick_ = wire.tick;
-    if (state_ == State::waits) {
-        if (wire.tick - injector_.first_tick() > look_every_ticks) injector_.skip_to(wire.tick);
+    take_injuries();
+    if (state_ != State::flows) {
+        if (!injector_.is_empty() && wire.tick > injector_.first_tick() + look_every_ticks)
+            injector_.skip_to(wire.tick);
         state_ = State::flows;
+        wake_tick_ = never;
     }
     if (is_forgotten()) {
         state_ = State::idle;
@@ -413,6 +422,7 @@ void PatientContrast::make_curves()
     make_small_curves(now);
     make_blush(now);
     make_sinuses();
+    make_wounds();
 }
 
 // A column of medium begins at the upstream face of its first cell. Where a vessel divides, the first cells
@@ -515,6 +525,7 @@ void PatientContrast::make_curves_of(std::size_t branch, bool is_core)
         SweptPoint point{cells.middle_m(i), radius_m, contrast_share(shown)};
         if (is_core) point.at_m += down_m;
         if (narrowness > 0.0) point = stream_point(i, narrowness);
+        narrow(i, point);
         // A column begins and ends at the faces between cells, and not at the middle of a cell.
         if (curve.points.empty()) {
             is_mixed = i > begin && narrowness < 0.5;

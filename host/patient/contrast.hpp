@@ -15,6 +15,7 @@
 #include "host/xray/run.hpp"
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace crn
@@ -78,7 +79,18 @@ class PatientContrast
     // Returns the injections of the session that were refused.
     const std::vector<Refusal> &refusals() const { return refusals_; }
     std::uint32_t next_tick() const; // UINT32_MAX: no look is needed
-    void advance(const WireFrame &wire);
+    // Returns true if the tools were looked at in this frame.
+    bool advance(const WireFrame &wire);
+
+    // Injures the vessels (ContrastFlow::set_hole, set_flap) at the next look. From then on, while there is a
+    // hole, the blood is simulated even without medium.
+    void set_hole(std::size_t index, const WallHole &hole, std::uint32_t tick);
+    void set_flap(std::size_t index, const WallFlap &flap, std::uint32_t tick);
+    // Lets the flow follow holes that close, and sets the share of the arterial pressure that is left after a
+    // loss of blood. Call it only after advance() has returned true, so that pictures change nothing.
+    void follow_wounds(double pressure_share);
+    double pressure_share() const { return pressure_share_; }
+    const FlowCells &cells_at(const WireFrame &wire); // where heart and breath have moved them
 
     // curves() returns the columns of medium for the X-ray. colour() stores in each node of the tools the
     // iodine concentration in the blood around the node.
@@ -130,6 +142,12 @@ class PatientContrast
     void make_small_curve(const VesselBranch &vessel, std::size_t index);
     void make_blush(const VesselTree &now);
     void make_sinuses();
+    void make_wounds(); // contrast_wounds.cpp
+    void make_jet(const WallHole &hole, const Eigen::Vector3d &ball_m);
+    void make_pocket(const WallFlap &flap);
+    void wake(std::uint32_t tick);
+    void take_injuries();
+    void narrow(std::size_t cell, SweptPoint &point) const; // by a flap
     bool is_forgotten() const;
     double stream_at(std::size_t cell, double &behind_tip_mm) const;
     SweptPoint stream_point(std::size_t cell, double narrowness) const;
@@ -143,9 +161,14 @@ class PatientContrast
     ContrastFlow flow_;
     Injector injector_;
     State state_ = State::idle;
-    std::int64_t seen_tick_ = -1; // of the last frame
-    std::uint32_t look_tick_ = 0; // of the last look
-    std::size_t tool_ = 0;        // tool at the syringe
+    std::int64_t seen_tick_ = -1;          // of the last frame
+    std::uint32_t look_tick_ = 0;          // of the last look
+    std::uint32_t wake_tick_ = UINT32_MAX; // of the look from which on a hole bleeds; none
+    double pressure_share_ = 1.0;
+    // Injuries since the last look: a hole or a flap, and its index.
+    std::vector<std::pair<std::size_t, WallHole>> new_holes_;
+    std::vector<std::pair<std::size_t, WallFlap>> new_flaps_;
+    std::size_t tool_ = 0; // tool at the syringe
     double iodine_mg_per_ml_ = iodine_default_mg_per_ml;
     InjectedFluid fluid_;
     struct Beat {

@@ -31,6 +31,16 @@ void PatientContrast::archive(StateArchive &state, std::uint32_t now, const std:
     state.choice(state_, State::flows);
     state.integer<std::int64_t>(seen_tick_, -1, now);
     state.integer<std::uint32_t>(look_tick_, 0, now);
+    state.integer(wake_tick_);
+    state.list(new_holes_, [&](std::pair<std::size_t, WallHole> &one) {
+        state.index(one.first, 1u << 20);
+        archive_hole(state, one.second, flow_.cells().size());
+    });
+    state.list(new_flaps_, [&](std::pair<std::size_t, WallFlap> &one) {
+        state.index(one.first, 1u << 20);
+        archive_flap(state, one.second, flow_.cells().size());
+    });
+    state.real(pressure_share_, 0.0, 1.0);
     // Flowing medium is advanced at least every look_every_ticks; if more time has passed, catching up would
     // take long.
     if (state.restores() && state_ != State::idle) state.require(flow_.cells().size() > 0);

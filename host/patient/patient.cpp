@@ -27,7 +27,7 @@ Patient::Patient(const SceneAnatomy &anatomy, const std::vector<Instrument> &too
                 LesionOpening(anatomy.bodies.vessels, anatomy.stations)),
       catheter_pressure_(anatomy.bodies.vessels, tools_, anatomy.motion_or_null(),
                          LesionOpening(anatomy.bodies.vessels, anatomy.stations)),
-      catheter_air_(tools_)
+      complications_(anatomy.bodies.vessels, tools_), catheter_air_(tools_)
 {
     if (settings.stents.empty()) return;
     stents_ =
@@ -60,6 +60,7 @@ void Patient::carry_out(std::uint32_t tick, const RoomCommand &command)
     if (contrast_.refusals().size() > refused_injections) refused = contrast_.refusals().back().why;
     const std::size_t refused_loads = stents_ ? stents_->refusals().size() : 0;
     if (stents_) stents_->command(tick, command);
+    complications_.command(command);
     if (stents_ && stents_->refusals().size() > refused_loads) refused = stents_->refusals().back();
     if (command.action == RoomAction::load_stent && !stents_) refused = "NO STENT - name one with --stent";
     if (command.action == RoomAction::aspirate) refused = aspirate(tick, command.values[0]);
@@ -101,6 +102,7 @@ void Patient::follow_line(const crn_wire_tick_state &state)
     tools_ = tools_on(table_, line_);
     contrast_.set_tools(tools_, changed, state.tick);
     catheter_pressure_.set_tools(tools_, changed);
+    complications_.set_tools(tools_, changed);
     catheter_air_.set_tools(tools_, changed);
     if (stents_) stents_->set_tools(tools_, changed);
 }
@@ -113,7 +115,12 @@ void Patient::tick(const crn_wire_tick_input &input, const crn_wire_tick_state &
                        crn_wire_exchange_remedy(state.exchange),
                    state.tick};
     monitor_.advance(state);
-    catheter_pressure_.tick(monitor_.pressure_mmHg(), state);
+    double aortic_mmHg = monitor_.pressure_mmHg();
+    if (contrast_.pressure_share() < 1.0)
+        aortic_mmHg = CatheterPressure::venous_mmHg +
+                      contrast_.pressure_share() * (aortic_mmHg - CatheterPressure::venous_mmHg);
+    catheter_pressure_.tick(aortic_mmHg, state);
+    complications_.tick(state);
     catheter_air_.tick(state);
     monitor_.show(catheter_pressure_.pressure_mmHg());
     const std::size_t refusals = contrast_.refusals().size();
@@ -126,8 +133,8 @@ void Patient::tick(const crn_wire_tick_input &input, const crn_wire_tick_state &
 
 std::uint32_t Patient::next_vessel_look() const
 {
-    return std::min(
-        {contrast_.next_tick(), catheter_pressure_.next_tick(), stents_ ? stents_->next_tick() : UINT32_MAX});
+    return std::min({contrast_.next_tick(), catheter_pressure_.next_tick(), complications_.next_tick(),
+                     stents_ ? stents_->next_tick() : UINT32_MAX});
 }
 
 std::uint32_t Patient::next_look() const
@@ -137,9 +144,37 @@ std::uint32_t Patient::next_look() const
 
 void Patient::look_at_vessels(const WireFrame &wire)
 {
-    contrast_.advance(wire);
+    const bool was_looked_at = contrast_.advance(wire);
+    if (was_looked_at && !contrast_.flow().wounds().is_empty()) {
+        contrast_.follow_wounds(complications_.pressure_left(contrast_.flow()));
+        take_wounds();
+    }
     catheter_pressure_.advance(wire);
     if (stents_) stents_->advance(wire);
+    if (complications_.advance(wire, contrast_)) note_injury(wire.tick);
+}
+
+bool Patient::can_be_injured() const
+{
+    return complications_.limits().is_on && !contrast_.vessels().branches.empty();
+}
+
+void Patient::locate(const WireFrame &wire)
+{
+    if (complications_.locate(wire, contrast_)) note_injury(wire.tick);
+}
+
+// The user learns of a new injury, but not of an old one that has grown.
+void Patient::note_injury(std::uint32_t tick)
+{
+    if (complications_.injuries().back().tick == tick) notice_ = {complications_.notice(), tick};
+}
+
+// The catheter's pressure follows the wounds.
+void Patient::take_wounds()
+{
+    const Wounds &wounds = contrast_.flow().wounds();
+    catheter_pressure_.set_wounds(wounds.open_holes(), wounds.open_shares(contrast_.flow().cells().size()));
 }
 
 void Patient::look(const WireFrame &wire)
@@ -183,7 +218,7 @@ std::vector<Refusal> Patient::refusals() const
 
 void Patient::archive(StateArchive &state, std::uint32_t now, const crn_wire_tick_state &last)
 {
-    constexpr std::uint32_t format = 1;
+    constexpr std::uint32_t format = 2;
     std::uint32_t saved_format = format;
     state.integer<std::uint32_t>(saved_format, format, format);
     archive_line(state);
@@ -192,6 +227,11 @@ void Patient::archive(StateArchive &state, std::uint32_t now, const crn_wire_tic
     room_.archive(state, now);
     contrast_.archive(state, now, tools_, last);
     catheter_pressure_.archive(state, now, tools_);
+    complications_.archive(state, now, tools_);
+    const std::size_t cells = contrast_.flow().cells().size();
+    for (const Injury &injury : complications_.injuries())
+        if (state.restores()) state.require(injury.cell < cells && injury.cells <= cells - injury.cell);
+    if (state.restores() && !state.is_refused()) take_wounds();
     catheter_air_.archive(state, tools_);
     bool has_stents = stents_ != nullptr;
     state.flag(has_stents);

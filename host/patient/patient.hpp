@@ -20,6 +20,7 @@
 #include "host/patient/body_poses.hpp"
 #include "host/patient/catheter_air.hpp"
 #include "host/patient/catheter_pressure.hpp"
+#include "host/patient/complications.hpp"
 #include "host/patient/contrast.hpp"
 #include "host/patient/stents.hpp"
 #include "host/room/room.hpp"
@@ -74,7 +75,15 @@ class Patient
     void look_at_vessels(const WireFrame &wire);
     // Returns true if the patient's state depends on every tick since the first. If it does, a replay
     // that starts later than tick 0 must simulate all ticks before its start.
-    bool needs_beginning() const { return stents_ != nullptr; }
+    bool needs_beginning() const { return stents_ != nullptr || can_be_injured(); }
+
+    // Returns true if the vessels may be dissected or perforated. Then feel() must receive the forces of the
+    // walls every feel_every_ticks ticks, after the tick to which they belong.
+    bool can_be_injured() const;
+    static constexpr std::uint32_t feel_every_ticks = 16;
+    // Returns true if the frame of this tick must be passed to locate().
+    bool feel(const crn_wire_contacts &contacts) { return complications_.feel(contacts); }
+    void locate(const WireFrame &wire);
 
     // --- commands for the core in the next tick; call give_orders() before each tick. A replay does not need
     // them: they are in the recording. ---
@@ -95,6 +104,7 @@ class Patient
     // lies in the vessels, and otherwise the aortic pressure.
     const PulseMonitor &monitor() const { return monitor_; }
     const CatheterPressure &catheter_pressure() const { return catheter_pressure_; }
+    const PatientComplications &complications() const { return complications_; }
     const CatheterAir &catheter_air() const { return catheter_air_; }
     // Returns the ticks at which medium was injected although the catheter's pressure was damped.
     const std::vector<std::uint32_t> &damped_injections() const { return damped_injections_; }
@@ -120,6 +130,8 @@ class Patient
     void carry_out(std::uint32_t tick, const RoomCommand &command);
     std::string aspirate(std::uint32_t tick, std::int32_t volume_ul);
     void note_injection(std::uint32_t tick);
+    void take_wounds();
+    void note_injury(std::uint32_t tick);
     void advance_room(std::uint32_t tick, const WireFrame &wire);
 
     const std::vector<Instrument> table_;
@@ -131,6 +143,7 @@ class Patient
     Room room_;
     PatientContrast contrast_;
     CatheterPressure catheter_pressure_;
+    PatientComplications complications_;
     CatheterAir catheter_air_;
     std::vector<Refusal> refused_aspirations_;
     std::vector<std::uint32_t> damped_injections_;

@@ -169,6 +169,20 @@ void print_stents(PatientStents &stents)
         std::printf("refused               %s\n", printable(refusal).c_str());
 }
 
+void print_injuries(const Patient &patient)
+{
+    const PatientComplications &complications = patient.complications();
+    for (const Injury &injury : complications.injuries())
+        std::printf("%-11s           at %.3f s, %s %s of %s by %s: %.3g %s, the wall bears %.3g\n",
+                    injury.kind == InjuryKind::perforation ? "perforation" : "dissection", injury.tick * 1e-3,
+                    injury.kind == InjuryKind::perforation ? "Ellis" : "type",
+                    injury_class(injury, complications.limits()).c_str(), printable(injury.vessel).c_str(),
+                    printable(injury.tool).c_str(), injury.value, injury.unit(), injury.limit);
+    const Wounds &wounds = patient.contrast().flow().wounds();
+    if (wounds.is_bleeding())
+        std::printf("blood loss            %.1f ml through the walls of vessels\n", wounds.leaked_ml());
+}
+
 void print_refusals(const std::vector<Refusal> &refusals)
 {
     for (const Refusal &refusal : refusals)
@@ -184,6 +198,7 @@ void print_session(const RunResult &result, const std::vector<Instrument> &tools
     print_dose(patient.room().dose());
     if (patient.contrast().was_used()) print_medium(patient.contrast());
     if (patient.stents()) print_stents(*patient.stents());
+    print_injuries(patient);
     print_refusals(patient.refusals());
 }
 

@@ -54,6 +54,10 @@ constexpr Rule rules[] = {
      {{strength_min_mg_ml, strength_max_mg_ml}}},
     {RoomAction::aspirate, "aspiration", {{1, aspirate_max_ul}}},
     {RoomAction::load_stent, "load stent", {}},
+    {RoomAction::complications, "complications", {{0, 1}}},
+    {RoomAction::complication_limit,
+     "limit of a complication",
+     {{0, complication_limit_count - 1}, {0, complication_max_milli}}},
 };
 
 template <std::size_t count> bool is_one_of(std::int32_t value, const std::int32_t (&values)[count])

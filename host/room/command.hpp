@@ -37,6 +37,9 @@ enum class RoomAction : std::uint16_t {
     contrast_strength = 22, // mg iodine per ml of the fluid injected from now on
     load_stent = 23,        // loads the next one onto the balloon: host/patient/stents.hpp
     aspirate = 24, // ul of blood through the outermost tool with a lumen: host/patient/catheter_air.hpp
+    // What the vessels bear (host/complications/limits.hpp).
+    complications = 25,      // 1: walls are dissected and perforated, 0: they bear everything
+    complication_limit = 26, // number of the limit, its value in thousandths
 };
 
 struct RoomCommand {
@@ -72,6 +75,7 @@ inline constexpr std::int32_t sod_min_um = 600'000, sod_max_um = 850'000;
 inline constexpr std::int32_t blade_min_permille = 50, blade_max_permille = 1000;
 inline constexpr std::int32_t shift_max_centipixels = 2'000;
 inline constexpr std::int32_t inject_max_ul = 200'000, inject_rate_max_ul_s = 50'000;
+inline constexpr std::int32_t complication_limit_count = 24, complication_max_milli = 100'000'000;
 inline constexpr std::int32_t aspirate_max_ul = 50'000;
 inline constexpr std::int32_t strength_min_mg_ml = 10, strength_max_mg_ml = 350;
 inline constexpr std::int32_t store_min_ms = 500, store_max_ms = 20'000;

@@ -161,6 +161,8 @@ void Room::carry_out(std::uint32_t tick, const RoomCommand &command)
     case RoomAction::contrast_strength:
     case RoomAction::aspirate:
     case RoomAction::load_stent: // for the stents
+    case RoomAction::complications:
+    case RoomAction::complication_limit: // for the vessels
         break;
     default:
         carry_out_geometry(tick, command);

@@ -12,7 +12,9 @@ namespace
 {
 
 const std::vector<Unit> percent_units = {{"%", 1.0}};
-const std::vector<std::string> kinds = {"tip", "iodine", "residual", "apposition", "inserted", "turned"};
+const std::vector<Unit> lost_units = {{"ml", 1.0}};
+const std::vector<std::string> kinds = {"tip",    "iodine",       "residual",    "apposition", "inserted",
+                                        "turned", "perforations", "dissections", "blood"};
 
 std::string rounded(double value)
 {
@@ -23,6 +25,8 @@ const char *unit_of(Expectation::Kind kind)
 {
     using Kind = Expectation::Kind;
     if (kind == Kind::turned) return "deg";
+    if (kind == Kind::blood_loss) return "ml";
+    if (kind == Kind::perforations || kind == Kind::dissections) return "";
     return kind == Kind::tip || kind == Kind::inserted ? "mm" : "%";
 }
 
@@ -32,7 +36,15 @@ double bound(LineParser &line, Expectation::Kind kind)
     if (kind == Kind::turned) return line.quantity("angle", angle_units, -36000.0, 36000.0);
     if (kind == Kind::tip || kind == Kind::inserted)
         return line.quantity("length", length_units, 0.0, 1.6) * 1e3;
+    if (kind == Kind::blood_loss) return line.quantity("volume", lost_units, 0.0, 10'000.0);
+    if (kind == Kind::perforations || kind == Kind::dissections) return line.number("a number of injuries");
     return line.quantity("share", percent_units, -100.0, 100.0);
+}
+
+// Returns a unit with a space before it, or nothing for a number without unit.
+std::string spaced(const std::string &unit)
+{
+    return unit.empty() ? "" : " " + unit;
 }
 
 // Reads the limits "at least", "at most" or "below"; if `needs_one` is true, the line must contain at least
@@ -66,6 +78,12 @@ std::string remedy_of(const Expectation &expectation)
         return "inflate the stent further, or choose one of the vessel's size";
     case Expectation::Kind::inserted:
         return "see which push ended early (given up)";
+    case Expectation::Kind::perforations:
+    case Expectation::Kind::dissections:
+        return "push less against resistance, or choose a balloon of the vessel's size "
+               "(docs/complications.md)";
+    case Expectation::Kind::blood_loss:
+        return "inflate a balloon of the vessel's size where it bleeds";
     case Expectation::Kind::turned:
         break;
     }
@@ -99,8 +117,17 @@ std::string Expectation::text() const
     case Kind::turned:
         said = (kind == Kind::turned ? "turned " : "inserted ") + tool_name(tool);
         break;
+    case Kind::perforations:
+        said = "perforations";
+        break;
+    case Kind::dissections:
+        said = "dissections";
+        break;
+    case Kind::blood_loss:
+        said = "blood loss";
+        break;
     }
-    const std::string unit = std::string(" ") + unit_of(kind);
+    const std::string unit = spaced(unit_of(kind));
     if (std::isfinite(least)) said += " at least " + rounded(least) + unit;
     if (std::isfinite(most)) said += (is_below ? " below " : " at most ") + rounded(most) + unit;
     return said;
@@ -108,7 +135,7 @@ std::string Expectation::text() const
 
 std::string Expectation::plain_text() const
 {
-    const std::string unit = kind == Kind::turned ? " degrees" : std::string(" ") + unit_of(kind);
+    const std::string unit = kind == Kind::turned ? " degrees" : spaced(unit_of(kind));
     std::string amount;
     if (std::isfinite(least)) amount = "at least " + rounded(least) + unit;
     if (std::isfinite(most)) {
@@ -127,6 +154,12 @@ std::string Expectation::plain_text() const
         return amount + " of the stent's struts lie on the wall";
     case Kind::inserted:
         return "the " + tool_name(tool) + " is inserted by " + amount;
+    case Kind::perforations:
+        return amount + " perforations of vessels have happened";
+    case Kind::dissections:
+        return amount + " dissections of vessels have happened";
+    case Kind::blood_loss:
+        return "the patient has lost " + amount + " of blood through the walls of vessels";
     case Kind::turned:
         break;
     }
@@ -141,12 +174,16 @@ Expectation parse_expectation(LineParser &line, const ToolChoice &selected)
     const bool has_tool = what == "tip" || what == "inserted" || what == "turned";
     if (has_tool) expectation.tool = accept_one_tool(line, selected);
     if (what == "residual") line.expect("stenosis");
-    expectation.kind = what == "tip"          ? Kind::tip
-                       : what == "iodine"     ? Kind::iodine
-                       : what == "residual"   ? Kind::stenosis
-                       : what == "apposition" ? Kind::apposition
-                       : what == "inserted"   ? Kind::inserted
-                                              : Kind::turned;
+    if (what == "blood") line.expect("loss");
+    expectation.kind = what == "tip"            ? Kind::tip
+                       : what == "iodine"       ? Kind::iodine
+                       : what == "residual"     ? Kind::stenosis
+                       : what == "apposition"   ? Kind::apposition
+                       : what == "inserted"     ? Kind::inserted
+                       : what == "perforations" ? Kind::perforations
+                       : what == "dissections"  ? Kind::dissections
+                       : what == "blood"        ? Kind::blood_loss
+                                                : Kind::turned;
     if (expectation.names_vessel()) {
         line.expect("in");
         expectation.vessel = vessel_name(line);
@@ -190,6 +227,21 @@ std::optional<double> EffectsWitness::apposition_pct() const
     return worst;
 }
 
+std::optional<double> EffectsWitness::perforations() const
+{
+    return static_cast<double>(patient_.complications().count(InjuryKind::perforation));
+}
+
+std::optional<double> EffectsWitness::dissections() const
+{
+    return static_cast<double>(patient_.complications().count(InjuryKind::dissection));
+}
+
+std::optional<double> EffectsWitness::blood_loss_ml() const
+{
+    return patient_.contrast().flow().wounds().leaked_ml();
+}
+
 // --- judgement ---
 
 namespace
@@ -219,6 +271,12 @@ Finding find_share(const std::optional<double> &share, const char *none)
     return {share, "it is " + rounded(*share) + " %"};
 }
 
+Finding find_number(const std::optional<double> &number, const char *unit)
+{
+    if (!number) return {{}, "it was not known"};
+    return {number, "it is " + rounded(*number) + spaced(unit)};
+}
+
 Finding find(const Expectation &expectation, std::size_t vessel, const VesselMap &map,
              const SessionView &view, double turned_deg)
 {
@@ -238,6 +296,12 @@ Finding find(const Expectation &expectation, std::size_t vessel, const VesselMap
         if (expectation.tool >= view.inserted_m.size()) return {{}, "the device's length was not known"};
         return {view.inserted_m[expectation.tool] * 1e3,
                 "it is " + rounded(view.inserted_m[expectation.tool] * 1e3) + " mm"};
+    case Kind::perforations:
+        return find_number(witness ? witness->perforations() : none, "");
+    case Kind::dissections:
+        return find_number(witness ? witness->dissections() : none, "");
+    case Kind::blood_loss:
+        return find_number(witness ? witness->blood_loss_ml() : none, "ml");
     case Kind::turned:
         break;
     }

@@ -6,6 +6,9 @@
 //   expect apposition at least 95 %
 //   expect inserted wire at least 400 mm
 //   expect turned catheter at least 170 deg
+//   expect perforations at most 0
+//   expect dissections at least 1
+//   expect blood loss below 20 ml
 #pragma once
 #include "host/script/tip_places.hpp"
 #include "host/script/tool.hpp"
@@ -21,12 +24,22 @@ namespace crn
 class Patient;
 
 struct Expectation {
-    enum class Kind { tip, iodine, stenosis, apposition, inserted, turned };
+    enum class Kind {
+        tip,
+        iodine,
+        stenosis,
+        apposition,
+        inserted,
+        turned,
+        perforations,
+        dissections,
+        blood_loss
+    };
     Kind kind = Kind::tip;
     std::size_t tool = 0; // for tip, inserted and turned
     VesselName vessel;    // for tip and iodine
-    // The limits of an expected value are in mm, percent or degrees; if `is_below` is true, the value must be
-    // less than `most`, not equal to it.
+    // The limits of an expected value are in mm, percent, degrees, ml or numbers; if `is_below` is true, the
+    // value must be less than `most`, not equal to it.
     double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
     bool is_below = false;
 
@@ -40,8 +53,8 @@ struct Expectation {
 // position in the file.
 Expectation parse_expectation(LineParser &line, const ToolChoice &selected);
 
-// Provides the values of iodine, remaining stenosis and stent apposition, in percent; a value is absent if it
-// is not known.
+// Provides the values of iodine, remaining stenosis and stent apposition, in percent, the numbers of
+// injuries, and the lost blood; a value is absent if it is not known.
 class SessionWitness
 {
   public:
@@ -49,9 +62,12 @@ class SessionWitness
     virtual std::optional<double> iodine_pct(std::size_t vessel) const = 0;
     virtual std::optional<double> residual_stenosis_pct() const = 0;
     virtual std::optional<double> apposition_pct() const = 0;
+    virtual std::optional<double> perforations() const { return {}; }
+    virtual std::optional<double> dissections() const { return {}; }
+    virtual std::optional<double> blood_loss_ml() const { return {}; }
 };
 
-// Computes iodine, remaining stenosis and stent apposition from the simulated patient.
+// Computes these values from the simulated patient.
 class EffectsWitness final : public SessionWitness
 {
   public:
@@ -59,6 +75,9 @@ class EffectsWitness final : public SessionWitness
     std::optional<double> iodine_pct(std::size_t vessel) const override;
     std::optional<double> residual_stenosis_pct() const override;
     std::optional<double> apposition_pct() const override;
+    std::optional<double> perforations() const override;
+    std::optional<double> dissections() const override;
+    std::optional<double> blood_loss_ml() const override;
 
   private:
     const VesselMap &map_;

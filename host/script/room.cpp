@@ -55,10 +55,10 @@ std::int32_t ordinal(LineParser &line, const std::string &what)
 
 const std::vector<std::string> &room_verbs()
 {
-    static const std::vector<std::string> verbs = {"fluoro", "cine",    "dsa",       "c-arm",  "view",
-                                                   "table",  "field",   "collimate", "follow", "mask",
-                                                   "shift",  "roadmap", "review",    "store",  "acknowledge",
-                                                   "stop",   "inject",  "contrast",  "load",   "aspirate"};
+    static const std::vector<std::string> verbs = {
+        "fluoro",      "cine",   "dsa",    "c-arm",    "view",    "table",    "field",
+        "collimate",   "follow", "mask",   "shift",    "roadmap", "review",   "store",
+        "acknowledge", "stop",   "inject", "contrast", "load",    "aspirate", "complications"};
     return verbs;
 }
 
@@ -106,6 +106,8 @@ std::vector<RoomCommand> RoomParser::parse(LineParser &line, const std::string &
     } else if (verb == "contrast") {
         add(RoomAction::contrast_strength,
             nearest(line.quantity("strength", strength_units, strength_min_mg_ml, strength_max_mg_ml)));
+    } else if (verb == "complications") {
+        add(RoomAction::complications, line.choice("switch", {"on", "off"}) == "on" ? 1 : 0);
     } else if (verb == "load") {
         line.expect("stent");
         add(RoomAction::load_stent);

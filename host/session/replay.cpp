@@ -34,6 +34,7 @@ class Replayer
     {
         go_to_start();
         pass_commands();
+        has_started_ = true;
         begin_ = Clock::now();
         begin_tick_ = link_.tick();
         look_when_due(false);
@@ -72,6 +73,7 @@ class Replayer
             if (patient_ && command_ < recording_.commands.size())
                 count = std::min<std::size_t>(count, std::max<std::size_t>(command_ticks(), 1));
             step(count, false);
+            look_at_contacts();
             pass_commands();
             if (!patient_ || link_.tick() < patient_->next_vessel_look()) continue;
             link_.read_nodes();
@@ -160,10 +162,15 @@ class Replayer
     void look_at_contacts()
     {
         static_assert(ContactFigures::look_every_ticks == batch_ticks); // batches end at its multiples
-        if (!settings_.measures_contacts || link_.tick() % batch_ticks != 0) return;
+        const bool measures = settings_.measures_contacts && has_started_;
+        const bool feels = patient_ && patient_->can_be_injured();
+        if (!(measures || feels) || link_.tick() % batch_ticks != 0) return;
         const crn_wire_contacts &contacts = link_.read_contacts();
-        result_.contacts.take(contacts);
-        if (sink_) sink_->contacts(contacts);
+        if (measures) result_.contacts.take(contacts);
+        if (measures && sink_) sink_->contacts(contacts);
+        if (!feels || !patient_->feel(contacts)) return;
+        link_.read_nodes();
+        patient_->locate(session_frame(device_, state_, inputs_.back()).wire);
     }
 
     void compare_lanes(const crn_wire_tick_state &state)
@@ -257,7 +264,8 @@ class Replayer
     crn_wire_tick_state state_{};
     Clock::time_point begin_;
     std::uint32_t begin_tick_ = 0, hash_tick_ = 0;
-    std::size_t command_ = 0; // the next one that has not been passed on
+    bool has_started_ = false; // the start of the replay has been reached
+    std::size_t command_ = 0;  // the next one that has not been passed on
 };
 
 } // namespace

@@ -126,8 +126,8 @@ void SessionRun::batch(std::uint32_t limit)
 
 void SessionRun::end_batch()
 {
+    look_at_contacts(); // first, as in a replay: it may injure the patient
     if (link_.tick() % SessionPlayer::observe_every_ticks == 0) look(is_look_due_);
-    look_at_contacts();
     if (figures_.range.wants_place(link_.tick(), player_.is_done()))
         device_.ask([&](Link &link) { figures_.range.find_place(link); });
     record_state();
@@ -172,6 +172,9 @@ void SessionRun::look_at_contacts()
         const crn_wire_contacts &contacts = link.read_contacts();
         contacts_.take(contacts);
         if (sink_) sink_->contacts(contacts);
+        if (!patient_.can_be_injured() || !patient_.feel(contacts)) return;
+        link.read_nodes();
+        patient_.locate(session_frame(device_, state_, {}).wire);
     });
 }
 

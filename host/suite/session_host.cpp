@@ -86,6 +86,7 @@ void SessionHost::begin(int number)
     pictures.line = line_;
     take_stents(pictures, options_.stents, table_);
     std::vector<RoomCommand> commands = entry_commands(scene_);
+    for (const RoomCommand &limit : complication_commands(options_.complications)) commands.push_back(limit);
     // In a case the trainee orders the stent to be loaded, as the expert does, because a balloon without a
     // stent may be needed first.
     const bool has_balloon = balloon_tool(crn::tools_on(table_, line_)).has_value();

@@ -3,6 +3,7 @@
 #include "host/base/pending_file.hpp"
 #include "host/effects/lesion_figures.hpp"
 #include "host/report/figures/report_angioplasty.hpp"
+#include "host/report/figures/report_complications.hpp"
 #include "host/report/figures/score.hpp"
 #include "host/session/run.hpp"
 #include <cmath>
@@ -112,8 +113,8 @@ nlohmann::ordered_json contrast_report(const PatientContrast &contrast)
     const ContrastFlow &flow = contrast.flow();
     const IodineBudget &budget = flow.budget();
     const DistalIodine distal = flow.distal().iodine();
-    const double lost_mg =
-        budget.injected_mg - flow.held_mg() - flow.distal().held_mg() - distal.gone_mg - budget.reflux_mg;
+    const double lost_mg = budget.injected_mg - flow.held_mg() - flow.distal().held_mg() - distal.gone_mg -
+                           budget.reflux_mg - budget.leaked_mg;
     const auto ratio = [](double a, double b) { return b > 0.0 ? a / b : 0.0; };
     return {{"injected_ml", contrast.injected_ml()},
             {"iodine_injected_mg", budget.injected_mg},
@@ -124,6 +125,7 @@ nlohmann::ordered_json contrast_report(const PatientContrast &contrast)
             {"iodine_beds_mg", distal.beds_mg},
             {"iodine_veins_mg", distal.veins_mg},
             {"iodine_gone_mg", distal.gone_mg},
+            {"iodine_leaked_mg", budget.leaked_mg},
             {"iodine_error", ratio(std::fabs(lost_mg), budget.injected_mg)},
             {"branches", branches_report(contrast)},
             {"cells", flow.cells().size()}};
@@ -253,6 +255,7 @@ nlohmann::ordered_json report_of(const RunResult &result, const std::string &sce
     report["balloon"] = balloon_report(figures.balloon, patient.table());
     report["stents"] = stents_report(patient.stents());
     report["contact"] = contact_report(result.contacts);
+    report["complications"] = complications_report(patient);
     report["interrupted"] = result.was_interrupted;
     report["script_lines_given_up"] = result.given_up_lines;
     report["refused"] = nlohmann::ordered_json::array();

@@ -123,6 +123,13 @@ Value mishaps(const Json &report)
     return count;
 }
 
+// Counts perforations and dissections of vessels; a session without any has no value, and keeps its score.
+Value injuries(const Json &report)
+{
+    const Value count = number(report, {"complications", "count"});
+    return count && *count > 0.0 ? count : Value();
+}
+
 Value times(const Value &value, double factor)
 {
     return value ? Value(*value * factor) : Value();
@@ -158,6 +165,8 @@ std::vector<Metric> results_of(const Json &report)
          over_stents(report, "overstretch_pct", larger), 10, 30, 10,
          "of the healthy diameter; too large a balloon tears the wall"},
         {"mishaps", group_result, "Burst balloons and lost stents", "", mishaps(report), 0, 1, 10, ""},
+        {"injuries", group_result, "Perforated and dissected vessels", "", injuries(report), 0, 1, 20,
+         "a metric that can only cost: without injuries it does not count"},
     };
 }
 

@@ -31,6 +31,7 @@ COMMAND_LINE = [
 ]
 # Tests of a room may use every other room of the host; test_usb has a USB bus of simulated ports.
 LONG_RUN = "firmware/tests/reference/long_run.h"
+FLOW = ["host/effects", "host/model", "host/base", "shared"]
 HOST_TESTS = ["host", "shared", "firmware/port/sim/sim.h", "firmware/core/core.h", LONG_RUN]
 ALLOWED = {
     "firmware/core": [],
@@ -102,12 +103,13 @@ ALLOWED = {
     "host/xray/style": ["host/xray", "host/xray/paths", "host/model", "host/base"],
     "host/xray/gl": ["host/xray", "host/model", "host/base"],
     "host/dicom": ["host/xray", "host/model", "host/base"],  # the only folder that uses DCMTK
-    "host/effects": ["host/model", "host/base", "shared"],
+    "host/effects": FLOW[1:],
     "host/room": ["host/xray", "host/base"],
     "host/stent": ["host/model", "host/base"],  # and libccd
-    "host/patient": ["host/room", "host/xray", "host/stent", "host/effects", "host/model", "host/base", "shared"],
+    "host/complications": ["host/room/command.hpp", "host/base"],
+    "host/patient": ["host/complications", "host/room", "host/xray", "host/stent", *FLOW],
     "host/rig": ["host/link", "host/room/command.hpp", "host/base", "shared"],
-    "host/script": ["host/patient", "host/room", "host/effects", "host/model", "host/base", "shared"],
+    "host/script": ["host/patient", "host/room", *FLOW],
     # Recordings hold the wire's own records.
     "host/session": [
         "host/script",
@@ -157,10 +159,7 @@ ALLOWED = {
         "host/script",
         "host/patient",
         "host/room",
-        "host/effects",
-        "host/model",
-        "host/base",
-        "shared",
+        *FLOW,
     ],
     "host/report": [
         "host/report/figures",
@@ -214,6 +213,7 @@ ALLOWED = {
     "host/bench": ["host", "firmware/bench/bench.h"],
     "host/base/tests": HOST_TESTS,
     "host/cli/tests": HOST_TESTS,
+    "host/complications/tests": HOST_TESTS,
     "host/dicom/tests": HOST_TESTS,
     "host/effects/tests": HOST_TESTS,
     "host/link/tests": HOST_TESTS,
