@@ -62,10 +62,11 @@ CLI::App *add_new(CLI::App &patient, PatientCommandOptions &options)
     CLI::App *command = patient.add_subcommand(
         "new",
         "Make a scene of vessel meshes, of a label map, or of a CT with contrast medium in the arteries");
-    CLI::Option *mesh = command
-                            ->add_option("--mesh", options.meshes,
-                                         "Vessels as .stl, .obj, .ply, .gltf or .glb; one file or several")
-                            ->type_name("FILE");
+    CLI::Option *mesh =
+        command
+            ->add_option("--mesh", options.meshes,
+                         "Vessels as .stl, .obj, .ply, .vtp, .gltf or .glb; one file or several")
+            ->type_name("FILE");
     command
         ->add_option("--ct", options.scan, "Folder with one DICOM series, or a .nrrd, .nii(.gz) or .mha file")
         ->excludes(mesh)

@@ -11,8 +11,8 @@ text chunk with one `key: value` per line. The stamp's keys are `core` (the core
 `command`, `inputs` and `shows`. `inputs` is a hash over the picture's entry in pictures.toml and over the sessions,
 tools and lesions that the command names. `shows` is the vessel branch in which the tool's tip ended, according to the
 session's report. A picture of a session is old when the core or the inputs in its stamp differ from the present ones. A
-picture that shows no session is old when its inputs differ. A picture that an older core made may be marked as `kept`;
-its caption must then name the version of that core.
+picture that shows no simulated tool is marked as `still`, and is old only when its inputs differ. A picture that an
+older core made may be marked as `kept`; its caption must then name the version of that core.
 """
 
 import argparse
@@ -120,7 +120,9 @@ def inputs_hash(manifest, picture):
     """Returns a hash of a picture's entry in the manifest and of every file that the entry names, except the programs
     and the scene."""
     film = film_of(manifest, picture)
-    digest = hashlib.sha256(json.dumps([picture, film], sort_keys=True).encode())
+    # How old a picture may be changes nothing in it.
+    made = {key: value for key, value in picture.items() if key not in ("kept", "still")}
+    digest = hashlib.sha256(json.dumps([made, film], sort_keys=True).encode())
     for path in [film.get("session")] + film.get("tools", []) + film.get("stents", []) + picture.get("inputs", []):
         if path:
             with open(path, "rb") as file:
@@ -176,7 +178,7 @@ def problems(manifest, linked, core):
             continue
         if "kept" in picture:
             found += unsaid(path, picture["kept"], stamp)
-        elif "film" in picture and stamp.get("core") != core:
+        elif not picture.get("still") and stamp.get("core") != core:
             found.append("%s: made by core %s, this is core %s; %s" % (path, stamp.get("core"), core, again))
         if stamp.get("inputs") != inputs_hash(manifest, picture):
             found.append("%s: its session, tools or entry have changed since; %s" % (path, again))

@@ -5,6 +5,7 @@
 #include "tools/bake/fault.hpp"
 #include "tools/centreline/fit/axes.hpp"
 #include "tools/mesh/files/mesh_file.hpp"
+#include "tools/patient/vtp_surface.hpp"
 
 #include <algorithm>
 #include <map>
@@ -44,7 +45,11 @@ std::vector<RawPart> read_raw(const PartsWish &wish)
 {
     std::vector<RawPart> parts;
     for (const fs::path &file : wish.files) {
-        std::vector<bake::MeshPiece> pieces = bake::read_mesh_file(file, wish.parts);
+        std::vector<bake::MeshPiece> pieces;
+        if (is_vtp(file))
+            pieces.push_back(read_vtp_surface(file));
+        else
+            pieces = bake::read_mesh_file(file, wish.parts);
         for (bake::MeshPiece &piece : pieces) {
             if (piece.triangles.empty()) continue;
             const bool is_named = pieces.size() > 1 && !piece.name.empty();
@@ -83,6 +88,37 @@ double extent_of(const std::vector<RawPart> &parts)
     return static_cast<double>(box.sizes().maxCoeff());
 }
 
+// A mean radius of the vessels, in the file's unit: twice the volume over the area, as for a tube. Open ends
+// change it little, because volumes are taken about a corner of each part.
+double mean_radius_of(const std::vector<RawPart> &parts)
+{
+    double volume = 0, area = 0;
+    for (const RawPart &part : parts) {
+        double own = 0;
+        const auto corner = [&](std::uint32_t index) {
+            const auto &v = part.piece.vertices[index];
+            return Eigen::Vector3d(v[0], v[1], v[2]);
+        };
+        const Eigen::Vector3d origin = corner(part.piece.triangles.front()[0]);
+        for (const auto &t : part.piece.triangles) {
+            const Eigen::Vector3d a = corner(t[0]) - origin, b = corner(t[1]) - origin,
+                                  c = corner(t[2]) - origin;
+            own += a.dot(b.cross(c)) / 6;
+            area += (b - a).cross(c - a).norm() / 2;
+        }
+        volume += std::abs(own);
+    }
+    return area > 0 ? 2 * volume / area : 0;
+}
+
+// Programs for flow simulations write centimetres. An aorta of 40 cm then looks like vessels of 40 mm that
+// are as thin as an aorta is in centimetres, too thin for instruments.
+bool is_rather_cm(const std::vector<RawPart> &parts, double extent)
+{
+    constexpr double short_mm = 70, thin_mm = 1.3;
+    return extent <= short_mm && mean_radius_of(parts) < thin_mm;
+}
+
 std::string unit_of(const std::vector<RawPart> &parts, const PartsWish &wish, Choices &choices)
 {
     const double extent = extent_of(parts);
@@ -106,6 +142,12 @@ std::string unit_of(const std::vector<RawPart> &parts, const PartsWish &wish, Ch
                           "the file's scale, or state --unit",
                           parts.front().file.c_str(), extent));
         why = formatted("the mesh is %.4g long, so %.0f mm", extent, extent * millimetres_per(unit));
+        if (unit == "mm" && is_rather_cm(parts, extent)) {
+            unit = "cm";
+            why = formatted("the mesh is %.4g long with vessels of radius %.2g, which would be too thin for "
+                            "instruments in mm",
+                            extent, mean_radius_of(parts));
+        }
     }
     choices.add("unit", unit, why, "--unit mm, cm, m or um");
     return unit;

@@ -10,6 +10,7 @@
 #include "tools/centreline/formats.hpp"
 #include "tools/patient/coronary.hpp"
 #include "tools/patient/naming.hpp"
+#include "tools/patient/outflow.hpp"
 #include "tools/patient/practice.hpp"
 
 #include <algorithm>
@@ -28,6 +29,8 @@ using centreline::Branch;
 using centreline::Sphere;
 using centreline::Tree;
 using Eigen::Vector3d;
+
+constexpr double aorta_mm = 6.0; // least radius of an aorta
 
 double whole_length_mm(const Tree &tree)
 {
@@ -99,7 +102,7 @@ void name_by_parts(Tree &tree, const std::vector<Part> &parts, const WholeLumen 
 void name_tree(Tree &tree, const std::vector<Part> &parts, const WholeLumen &lumen, const SceneWish &wish,
                Choices &choices)
 {
-    constexpr double aorta_mm = 6.0, trunk_mm = 150.0;
+    constexpr double trunk_mm = 150.0;
     std::string names = wish.names;
     std::string why = "as stated";
     const double root_mm = tree.branches.front().spheres[tree.branches.front().spheres.size() / 2].radius_mm;
@@ -193,8 +196,8 @@ std::optional<Vector3d> root_by_name(const std::vector<Part> &parts, const Whole
     return std::nullopt;
 }
 
-// Instruments that are used through a sheath need some width. Among the ends that have it, the lowest is
-// usual.
+// Instruments that are used through a sheath need some width. Into an aorta they come from below, so among
+// the ends that are wide enough, the lowest is usual. Into other vessels they come with the blood.
 TreeEnd chosen_end(const Tree &tree, const SceneWish &wish, std::string &why)
 {
     constexpr double wide_mm = 1.5, low_mm = 60.0;
@@ -210,6 +213,11 @@ TreeEnd chosen_end(const Tree &tree, const SceneWish &wish, std::string &why)
             return a.radius_mm < b.radius_mm;
         });
     };
+    const std::vector<Sphere> &root = tree.branches.front().spheres;
+    if (const double root_mm = root[root.size() / 2].radius_mm; root_mm >= wide_mm && root_mm < aorta_mm) {
+        why = "the inlet: a vessel that is no aorta is entered with the blood";
+        return *std::find_if(ends.begin(), ends.end(), [](const TreeEnd &end) { return end.is_root; });
+    }
     std::vector<TreeEnd> wide = ends;
     std::erase_if(wide, [&](const TreeEnd &end) { return end.radius_mm < wide_mm; });
     if (wide.empty()) {
@@ -331,7 +339,8 @@ std::string bodies_text(const SceneWish &wish, const Frame &frame)
 }
 
 std::string scene_text(const SceneWish &wish, const Frame &frame, const Tree &tree, const Entry &entry,
-                       const Choices &choices, double thinnest_mm, const CoronaryBranches &coronaries)
+                       const Choices &choices, double thinnest_mm, const CoronaryBranches &coronaries,
+                       const std::vector<Outflow> &flows)
 {
     std::string text =
         "# Made by `cournand patient new --mesh`. It may be changed and baked again:\n"
@@ -344,7 +353,7 @@ std::string scene_text(const SceneWish &wish, const Frame &frame, const Tree &tr
     // Voxels of 0.24 mm describe arteries that are a few voxels wide; they take more memory.
     if (thinnest_mm < 1.0) text += "level_max = 2\n";
     text += "\n[tree]\ncentrelines = [\"tree.csv\"]\ninlet = \"" + tree.branches.front().name +
-            "\"\ninlet_end = \"first\"\n" + coronaries.scene_text();
+            "\"\ninlet_end = \"first\"\n" + coronaries.scene_text() + patient::scene_text(flows);
     text += formatted("\n[entry]\nposition_mm = [%.3f, %.3f, %.3f]\ndirection = [%.5f, %.5f, %.5f]\n",
                       entry.place_mm.x(), entry.place_mm.y(), entry.place_mm.z(), entry.direction.x(),
                       entry.direction.y(), entry.direction.z());
@@ -369,10 +378,12 @@ void make_scene_folder(const std::vector<Part> &parts, const Frame &frame, const
         automatic.inlet_mm = root_by_name(parts, lumen, inlet_why);
     }
     automatic.shortest_mm = wish.shortest_mm;
+    automatic.head = Vector3d::UnitY();
     std::vector<std::string> notes;
     Tree tree = centreline::fit_automatic(inside, automatic, notes, progress);
     for (Branch &branch : tree.branches)
         for (Sphere &sphere : branch.spheres) sphere.radius_mm = std::max(sphere.radius_mm, 0.1);
+    open_ends(tree);
     const Sphere &inlet = tree.branches.front().spheres.front();
     const double inlet_mm = tree.branches.front().spheres[tree.branches.front().spheres.size() / 2].radius_mm;
     choices.add("inlet",
@@ -380,6 +391,11 @@ void make_scene_folder(const std::vector<Part> &parts, const Frame &frame, const
                 inlet_why, "--inlet x y z");
     name_tree(tree, parts, lumen, wish, choices);
     const CoronaryBranches coronaries = find_coronaries(tree, parts, choices);
+    const std::vector<Outflow> flows = outflows(tree);
+    choices.add("flows", formatted("%.0f ml/min in all, out of %zu ends", 60 * sum_ml_s(flows), flows.size()),
+                "by Murray's law at a wall shear rate of 500/s, at a mean speed of at most 160 mm/s, from "
+                "the radius of each vessel before its cap",
+                "[tree.flow_ml_min] of scene.toml may be changed");
     const bake::TriangleTree wall(lumen.closed);
     std::string why;
     const TreeEnd end = chosen_end(tree, wish, why);
@@ -404,7 +420,7 @@ void make_scene_folder(const std::vector<Part> &parts, const Frame &frame, const
     centreline::write_tree(wish.folder / "tree.csv", tree);
     if (wish.has_bodies) bake::write_ply(tissue_around(lumen.closed, widest_mm), wish.folder / "tissue.ply");
     write_whole_file((wish.folder / "scene.toml").string(),
-                     scene_text(wish, frame, tree, entry, choices, thinnest_mm, coronaries));
+                     scene_text(wish, frame, tree, entry, choices, thinnest_mm, coronaries, flows));
     bake::Options options;
     options.scene = wish.folder / "scene.toml";
     options.output = wish.folder / "patient.scene";

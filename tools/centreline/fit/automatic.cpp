@@ -2,6 +2,7 @@
 // source, until branches cover every voxel.
 #include "tools/centreline/fit/automatic.hpp"
 #include "host/base/format.hpp"
+#include "tools/centreline/end_width.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -108,17 +109,13 @@ std::vector<std::vector<std::size_t>> ways_to_tips(const Voxels &voxels, const W
     return kept;
 }
 
-// Follows the path for a few millimetres from its tip, and returns the depth (distance to the wall) of the
-// deepest voxel there.
+// Returns the width of the vessel behind a tip, whatever the shape of its cap.
 double width_at(const Voxels &voxels, const std::vector<std::size_t> &way)
 {
-    double depth = 0;
-    const Eigen::Vector3d tip = voxels.centre_mm(way.back());
-    for (std::size_t k = way.size(); k-- > 0;) {
-        if ((voxels.centre_mm(way[k]) - tip).norm() > depth + 4 * voxels.voxel_mm()) break;
-        depth = std::max(depth, voxels.depth_mm(way[k]));
-    }
-    return depth;
+    std::vector<Sphere> inwards;
+    for (std::size_t k = way.size(); k-- > 0;)
+        inwards.push_back({voxels.centre_mm(way[k]), voxels.depth_mm(way[k])});
+    return width_inside(inwards).radius_mm;
 }
 
 // The number of voxels that are connected with each voxel, itself included. Near a cap or in a thin place,
@@ -157,6 +154,45 @@ long near_point(const Voxels &voxels, const std::vector<std::size_t> &connected,
     return best;
 }
 
+struct WideEnd {
+    std::size_t voxel = 0;
+    Eigen::Vector3d place_mm = Eigen::Vector3d::Zero();
+    double width_mm = 0;
+};
+
+constexpr double clearly_wider = 1.1, aorta_mm = 6.0;
+
+// The widest of the ends; of the ends of an aorta that are nearly as wide, the highest.
+const WideEnd &inlet_among(const std::vector<WideEnd> &ends, const AutoWish &wish)
+{
+    const WideEnd *best = &ends.front();
+    for (const WideEnd &end : ends)
+        if (end.width_mm > best->width_mm) best = &end;
+    const double least_mm = best->width_mm / clearly_wider;
+    if (!wish.head || least_mm < aorta_mm) return *best;
+    for (const WideEnd &end : ends)
+        if (end.width_mm >= least_mm && end.place_mm.dot(*wish.head) > best->place_mm.dot(*wish.head))
+            best = &end;
+    return *best;
+}
+
+// The voxel with the longest path from the deepest voxel is a tip of the tree. From this first tip the code
+// finds all other tips of the tree.
+std::vector<WideEnd> tips_of(const Voxels &voxels, const AutoWish &wish, bake::Progress &progress)
+{
+    std::size_t deepest = 0;
+    for (std::size_t v = 0; v < voxels.size(); ++v)
+        if (voxels.depth_mm(v) > voxels.depth_mm(deepest)) deepest = v;
+    const std::size_t first = by_length(find_ways(voxels, {deepest}, -1)).front();
+    const Ways ways = find_ways(voxels, {first}, -1);
+    std::vector<std::vector<std::size_t>> tips = ways_to_tips(voxels, ways, wish, progress);
+    tips.push_back({tips.front().rbegin(), tips.front().rend()}); // the path back to the first tip itself
+    std::vector<WideEnd> ends;
+    for (const std::vector<std::size_t> &way : tips)
+        ends.push_back({way.back(), voxels.centre_mm(way.back()), width_at(voxels, way)});
+    return ends;
+}
+
 std::size_t inlet_of(const Lumen &lumen, const AutoWish &wish, std::vector<std::string> &notes,
                      bake::Progress &progress)
 {
@@ -170,28 +206,21 @@ std::size_t inlet_of(const Lumen &lumen, const AutoWish &wish, std::vector<std::
                         " lies outside the vessel: move it inside");
         return static_cast<std::size_t>(voxel);
     }
-    const Opening *widest = nullptr;
+    std::vector<WideEnd> openings;
     for (const Opening &opening : lumen.openings())
-        if ((!widest || opening.radius_mm > widest->radius_mm) && inside_near(opening.centre_mm) >= 0)
-            widest = &opening;
-    if (widest) {
-        notes.push_back("the inlet is the widest opening, at " + bake::place_text(widest->centre_mm));
-        return static_cast<std::size_t>(inside_near(widest->centre_mm));
+        if (const long voxel = inside_near(opening.centre_mm); voxel >= 0)
+            openings.push_back({static_cast<std::size_t>(voxel), opening.centre_mm, opening.radius_mm});
+    const WideEnd tip = inlet_among(tips_of(voxels, wish, progress), wish);
+    // A mesh may be open at some of its ends only.
+    if (!openings.empty()) {
+        const WideEnd opening = inlet_among(openings, wish);
+        if (tip.width_mm <= clearly_wider * opening.width_mm) {
+            notes.push_back("the inlet is the widest opening, at " + bake::place_text(opening.place_mm));
+            return opening.voxel;
+        }
     }
-    // The voxel with the longest path from the deepest voxel is a tip of the tree. From this first tip the
-    // code finds all other tips of the tree, and takes the widest tip as the inlet.
-    std::size_t deepest = 0;
-    for (std::size_t v = 0; v < voxels.size(); ++v)
-        if (voxels.depth_mm(v) > voxels.depth_mm(deepest)) deepest = v;
-    const std::size_t tip = by_length(find_ways(voxels, {deepest}, -1)).front();
-    const Ways ways = find_ways(voxels, {tip}, -1);
-    std::vector<std::vector<std::size_t>> tips = ways_to_tips(voxels, ways, wish, progress);
-    tips.push_back({tips.front().rbegin(), tips.front().rend()}); // the path back to the first tip itself
-    const auto best = std::max_element(tips.begin(), tips.end(), [&](const auto &a, const auto &b) {
-        return width_at(voxels, a) < width_at(voxels, b);
-    });
-    notes.push_back("the inlet is the widest end, at " + bake::place_text(voxels.centre_mm(best->back())));
-    return best->back();
+    notes.push_back("the inlet is the widest end, at " + bake::place_text(tip.place_mm));
+    return tip.voxel;
 }
 
 // Adds a note about each piece of the mesh that the tree does not reach.

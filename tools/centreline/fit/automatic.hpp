@@ -11,6 +11,9 @@ namespace crn::centreline
 struct AutoWish {
     GrowWish grow;
     std::optional<Eigen::Vector3d> inlet_mm; // empty: the widest opening, or else the widest end
+    // The direction of the head, if it is known: of ends of an aorta (6 mm radius) whose widths differ by
+    // less than a tenth, blood enters at the highest.
+    std::optional<Eigen::Vector3d> head;
     double prune = 1.0; // a branch is kept if it extends this many radii of the vessel it leaves beyond that
                         // vessel's cover ...
     double shortest_mm = 2.0; // ... and at least this far

@@ -8,7 +8,7 @@ void add_patient(CLI::App &app, SceneOptions &options, std::vector<std::string> 
 {
     CLI::App *command =
         app.add_subcommand("patient", "A playable scene from vessel meshes: one file, or an atlas");
-    command->add_option("MESH", meshes, "Surfaces of vessels: .stl, .obj, .ply, .gltf, .glb")
+    command->add_option("MESH", meshes, "Surfaces of vessels: .stl, .obj, .ply, .vtp, .gltf, .glb")
         ->type_name("FILE")
         ->required();
     add_mesh_options(*command, options);

@@ -73,6 +73,16 @@ def check_rules(tap):
         tap.claim(
             "made by core 14" in str(pictures.problems(manifest, linked, "15")), "a picture of an older core is refused"
         )
+        still = dict(manifest, picture=[dict(manifest["picture"][0], still=True)])
+        tap.claim(
+            "made by core 14" not in str(pictures.problems(still, linked, "15")),
+            "a picture without a tool may be of an older core",
+        )
+        shell = dict(manifest, picture=[{"file": picture, "shell": ["true"]}])
+        tap.claim(
+            "made by core 14" in str(pictures.problems(shell, linked, "15")),
+            "a picture of a window or a program is refused, too, when an older core made it",
+        )
         tap.claim(
             "shown in the documents but" in str(pictures.problems(manifest, linked | {"b.jpg"}, "14")),
             "a picture that nothing makes is refused",

@@ -124,7 +124,7 @@ static double added_drop_mmHg(double flow_ml_s)
 // does at rest: by bisection for the flow at which all drops add up to 88 mmHg.
 static double ratio_by_closed_form(double openness, double &flow_ml_s)
 {
-    const double rest_ml_s = pi / 4 * 500 * std::pow(radius_mm, 3) * 1e-3;               // Murray
+    const double rest_ml_s = pi * std::pow(radius_mm, 2) * 0.16;                         // at 160 mm/s
     const double tube = 8 * viscosity_mPa_s / pi / std::pow(radius_mm, 4) * mmHg_per_Pa; // mmHg s/ml and mm
     const double bed = (88.0 / rest_ml_s - tube * length_mm) / openness;
     double low = 0.0, high = openness * rest_ml_s;

@@ -212,6 +212,19 @@ void the_unit_is_found(void **)
     assert_string_equal(frame.unit.c_str(), "cm");
 }
 
+// Programs for flow simulations write centimetres. Before, an aorta of 30 cm was taken for vessels of 30 mm.
+void centimetres_are_known_by_how_thin_vessels_would_be(void **)
+{
+    Frame frame;
+    read_one(tube_mesh(10, 300, 0, tube_along, tube_around), 0.1, {}, frame);
+    assert_string_equal(frame.unit.c_str(), "cm");
+    // A short piece of a wide vessel, and a long thin vessel, are in mm.
+    read_one(tube_mesh(4, 40, 0, tube_along, tube_around), 1, {}, frame);
+    assert_string_equal(frame.unit.c_str(), "mm");
+    read_one(tube_mesh(1.2, 100, 0, tube_along, tube_around), 1, {}, frame);
+    assert_string_equal(frame.unit.c_str(), "mm");
+}
+
 // Before, such meshes were refused. The second layer may look the other way, as the back of a surface does.
 void doubled_triangles_count_once(void **)
 {
@@ -429,6 +442,7 @@ int main()
                                 cmocka_unit_test(parts_that_overlap_become_one_lumen),
                                 cmocka_unit_test(a_gap_between_parts_is_bridged),
                                 cmocka_unit_test(the_unit_is_found),
+                                cmocka_unit_test(centimetres_are_known_by_how_thin_vessels_would_be),
                                 cmocka_unit_test(doubled_triangles_count_once),
                                 cmocka_unit_test(a_part_that_is_there_twice_counts_once),
                                 cmocka_unit_test(the_head_of_a_scan_is_found),

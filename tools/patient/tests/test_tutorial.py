@@ -73,6 +73,16 @@ def write_mesh(path, mesh):
         text += "element face %d\nproperty list uchar int vertex_indices\nend_header\n" % len(faces)
         text += "".join("%.9g %.9g %.9g\n" % p for p in points)
         text += "".join("3 %d %d %d\n" % face for face in faces)
+    elif path.endswith(".vtp"):
+        text = '<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian"><PolyData>'
+        text += '<Piece NumberOfPoints="%d" NumberOfPolys="%d">' % (len(points), len(faces))
+        text += '<Points><DataArray type="Float32" NumberOfComponents="3" format="ascii">'
+        text += " ".join("%.9g %.9g %.9g" % p for p in points) + "</DataArray></Points><Polys>"
+        text += '<DataArray type="Int64" Name="connectivity" format="ascii">'
+        text += " ".join("%d %d %d" % face for face in faces) + "</DataArray>"
+        text += '<DataArray type="Int64" Name="offsets" format="ascii">'
+        text += " ".join(str(3 * k + 3) for k in range(len(faces)))
+        text += "</DataArray></Polys></Piece></PolyData></VTKFile>\n"
     elif path.endswith("_ascii.stl"):
         text = "solid vessel\n"
         for face in faces:
@@ -129,6 +139,7 @@ def check_shapes(report):
         "tube.stl": bent,
         "tube_ascii.stl": bent,
         "metres.stl": scaled(bent, 1e-3),
+        "centimetres.vtp": scaled(tube(10, 150, 60), 0.1),
         "inside_out.stl": tube(4, 150, 60, turned=True),
         "wall.obj": wall,
         "twice.stl": together(bent, bent),
@@ -176,16 +187,21 @@ def check_shapes(report):
 
 def check_refusals(report):
     with tempfile.TemporaryDirectory() as folder:
-        thin = write_mesh(os.path.join(folder, "thin.obj"), tube(0.7, 60))
+        thin = write_mesh(os.path.join(folder, "thin.obj"), tube(0.7, 100))
         far = write_mesh(os.path.join(folder, "far.obj"), scaled(tube(4, 150), 1e-9))
         good = write_mesh(os.path.join(folder, "good.obj"), tube(4, 80))
-        broken = os.path.join(folder, "broken.stl")
+        broken, damaged = os.path.join(folder, "broken.stl"), os.path.join(folder, "damaged.vtp")
         with open(broken, "wb") as out:
             out.write(b"x" * 50)
+        with open(write_mesh(damaged, tube(4, 80)), "r+", encoding="utf-8") as out:
+            text = out.read()
+            out.seek(0)
+            out.write(text.replace("0 24 25", "0 24 99999", 1))
         cases = (
             ("a vessel in which no sheath fits", [thin], (), 1, r"no sheath fits into the end at \(.*--entry"),
             ("a size of no unit", [far], (), 1, r"in no unit.*--unit"),
             ("a damaged file", [broken], (), 1, r"broken\.stl"),
+            ("a corner that is not there", [damaged], (), 1, r"damaged\.vtp: has the index 99999 in Polys"),
             ("a missing file", [os.path.join(folder, "none.stl")], (), 1, r"none\.stl"),
             ("an inlet outside", [good], ("--inlet", "90", "90", "90"), 1, r"inlet at \(90.0.*outside the vessel"),
             ("a part that is not there", [good], ("--part", "aorta"), 1, r"aorta"),
