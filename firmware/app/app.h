@@ -123,6 +123,7 @@ typedef struct crn_app_setup {
     crn_lumen lumen;
     crn_motion motion;                  /* of the lumen, when it moves */
     crn_lesion lesions[CRN_LESION_MAX]; /* of the lumen, that can yield */
+    crn_walls walls;                    /* of the lumen, if they give way */
 } crn_app_setup;
 
 /* Holds the state of one session, except the states of the core, the hands and the haptics. */

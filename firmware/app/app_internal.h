@@ -50,12 +50,19 @@ void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, 
 crn_build_status crn_app_build(crn_app *app, const crn_lumen *lumen, const crn_entry *entry,
                                crn_build_place *place);
 
+/* A scene that was checked, before it takes the place of the present one. */
+typedef struct crn_opened_scene {
+    crn_lumen lumen;
+    crn_motion motion;
+    crn_lesion lesions[CRN_LESION_MAX];
+    crn_walls walls;
+} crn_opened_scene;
+
 /* Converts the bytes of a scene to the form in which the core reads the lumen (app_lumen.c). After the call,
- * `lumen` points to `motion` if the vessel moves, and to `lesions` if the vessel has lesions that a balloon
- * can open. The function returns 0, or the scene status that names the error; in case of an error all outputs
- * are unchanged. */
-uint32_t crn_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, crn_lumen *lumen, crn_motion *motion,
-                            crn_lesion lesions[CRN_LESION_MAX]);
+ * the lumen points to the other members: to `motion` if the vessel moves, to `lesions`, and to `walls` if
+ * they give way. The function returns 0, or the scene status that names the error; in case of an error all
+ * outputs are unchanged. */
+uint32_t crn_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, crn_opened_scene *opened);
 
 /* app_rig.c: configuration of the tracks */
 void crn_app_rig(crn_app *app, const uint8_t *payload, size_t length);

@@ -56,14 +56,27 @@ static crn_lesion lesion_from(const crn_scene_plaque_view *plaque)
     return lesion;
 }
 
-uint32_t crn_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, crn_lumen *lumen, crn_motion *motion,
-                            crn_lesion lesions[CRN_LESION_MAX])
+_Static_assert((int)CRN_SCENE_WALL_LAW_MAX == (int)CRN_WALL_LAW_MAX &&
+                   (int)CRN_SCENE_WALL_LAW_BYTES == (int)sizeof(crn_wall_law),
+               "scene and core agree about walls that give way");
+
+/* The laws stay in place, as the stations of lesions do. */
+static crn_walls walls_from(const crn_scene *scene)
+{
+    return (crn_walls){
+        .law_count = scene->wall_law_count,
+        .laws = (const crn_wall_law *)(const void *)scene->wall_laws,
+        .law_of_brick = scene->wall_law_of_brick,
+    };
+}
+
+uint32_t crn_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, crn_opened_scene *opened)
 {
     crn_scene scene;
     crn_scene_status status = crn_scene_open(bytes, byte_count, &scene, NULL);
     if (status != CRN_SCENE_OK) return status;
     if (scene.kind != CRN_SCENE_KIND_SCENE) return CRN_SCENE_KIND;
-    *lumen = (crn_lumen){
+    opened->lumen = (crn_lumen){
         .origin_m_q30 = {scene.lumen.origin_m_q30[0], scene.lumen.origin_m_q30[1],
                          scene.lumen.origin_m_q30[2]},
         .brick_count_xyz = {scene.lumen.brick_count_xyz[0], scene.lumen.brick_count_xyz[1],
@@ -73,14 +86,16 @@ uint32_t crn_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, crn_lumen
         .index = scene.lumen.index,
         .children = scene.lumen.children,
         .samples = scene.lumen.samples,
-        .motion = scene.has_motion ? motion : NULL,
+        .motion = scene.has_motion ? &opened->motion : NULL,
         .lesion_count = scene.plaque_count,
-        .lesions = lesions,
+        .lesions = opened->lesions,
+        .walls = scene.wall_law_count > 0 ? &opened->walls : NULL,
     };
     for (uint32_t i = 0; i < scene.plaque_count; i++) {
         const crn_scene_plaque_view plaque = crn_scene_plaque(&scene, i);
-        lesions[i] = lesion_from(&plaque);
+        opened->lesions[i] = lesion_from(&plaque);
     }
-    *motion = motion_from(&scene);
+    opened->motion = motion_from(&scene);
+    opened->walls = walls_from(&scene);
     return CRN_SCENE_OK;
 }

@@ -106,6 +106,27 @@ static void put_treatment(const crn_app *app, crn_wire_nodes *nodes)
     nodes->lesions_open_q15_count = (uint16_t)count;
 }
 
+_Static_assert((int)CRN_WIRE_MAX_nodes_walls == (int)CRN_WALL_STATION_MAX,
+               "wire and core agree about walls that give way");
+
+/* Format: Q30 m -> um, rounded; 15625 / 2^24 = 1e6 / 2^30. Each part of a way is at most 20 mm, so it fits 16
+ * bits, and the way itself, of at most 35 mm, fits 16 bits without a sign. */
+static int32_t um_of(int32_t m_q30)
+{
+    return (int32_t)(((int64_t)m_q30 * 15625 + (1 << 23)) >> 24);
+}
+
+static void put_walls(const crn_wall_state *wall, crn_wire_nodes *nodes)
+{
+    nodes->walls_count = (uint16_t)wall->used;
+    for (uint32_t j = 0; j < wall->used && j < CRN_WIRE_MAX_nodes_walls; j++) {
+        const crn_wall_give *at = &wall->stations[j];
+        const int32_t *way = at->way_m_q30.v;
+        nodes->walls[j] = (crn_wire_wall_way){(int16_t)um_of(way[0]), (int16_t)um_of(way[1]),
+                                              (int16_t)um_of(way[2]), (uint16_t)um_of(at->widen_m_q30)};
+    }
+}
+
 /* The message `nodes`, from which the host draws the tools, contains the nodes beyond the introducer sheath
  * and the first node inside the sheath. */
 void crn_app_send_nodes(crn_app *app)
@@ -125,6 +146,7 @@ void crn_app_send_nodes(crn_app *app)
     for (uint32_t k = 0; k < app->setup.tool_count; k++)
         nodes->line[k] = (uint8_t)crn_state_tool_at(&app->core, k);
     put_treatment(app, nodes);
+    put_walls(&app->core.words.wall, nodes);
     nodes->positions_count = (uint16_t)count;
     for (uint32_t i = 0; i < count; i++) {
         crn_vec3 p = crn_state_position(&app->core, i);
@@ -144,11 +166,26 @@ void crn_app_send_node_table(crn_app *app)
     SEND(app, node_table, table);
 }
 
+/* The farthest station of the walls, and the widest. */
+static void put_wall_figures(const crn_wall_state *wall, crn_wire_contacts *contacts)
+{
+    contacts->wall_way_um = contacts->wall_widened_um = 0;
+    for (uint32_t j = 0; j < wall->used; j++) {
+        const crn_vec3 *way = &wall->stations[j].way_m_q30;
+        const uint16_t um = (uint16_t)um_of(crn_sqrt64((uint64_t)crn_vec3_dot64(*way, *way)));
+        const uint16_t widened_um = (uint16_t)um_of(wall->stations[j].widen_m_q30);
+        contacts->wall_way_um = um > contacts->wall_way_um ? um : contacts->wall_way_um;
+        contacts->wall_widened_um =
+            widened_um > contacts->wall_widened_um ? widened_um : contacts->wall_widened_um;
+    }
+}
+
 void crn_app_send_contacts(crn_app *app)
 {
     crn_wire_contacts *contacts = &app->buffers.reply.contacts;
     uint32_t free_count = crn_state_free_count(&app->core);
     contacts->tick = crn_state_tick(&app->core);
+    put_wall_figures(&app->core.words.wall, contacts);
     contacts->contacts_count = 0;
     for (uint32_t i = 0; i < free_count && contacts->contacts_count < CRN_WIRE_MAX_contacts_contacts; i++) {
         crn_vec3 f;

@@ -65,20 +65,13 @@ void crn_app_scene_chunk(crn_app *app, const uint8_t *payload, size_t length)
     for (uint16_t i = 0; i < chunk->data_count; i++) staged[upload->received_bytes++] = chunk->data[i];
 }
 
-/* A scene that was checked, before it takes the place of the present one. */
-typedef struct opened_scene {
-    crn_lumen lumen;
-    crn_motion motion;
-    crn_lesion lesions[CRN_LESION_MAX];
-} opened_scene;
-
 /* Without near memory, the core reads the scene in place. */
-static uint32_t near_bytes_needed(const crn_app *app, const opened_scene *scene)
+static uint32_t near_bytes_needed(const crn_app *app, const crn_opened_scene *scene)
 {
     return app->port->near_bytes == 0 ? 0 : crn_lumen_near_bytes(&scene->lumen);
 }
 
-static void take_scene(crn_app *app, const opened_scene *scene, uint32_t scene_bytes, uint32_t crc32)
+static void take_scene(crn_app *app, const crn_opened_scene *scene, uint32_t scene_bytes, uint32_t crc32)
 {
     crn_app_setup *setup = &app->setup;
     setup->motion = scene->motion;
@@ -86,6 +79,8 @@ static void take_scene(crn_app *app, const opened_scene *scene, uint32_t scene_b
     setup->lumen = scene->lumen;
     setup->lumen.lesions = setup->lesions;
     if (scene->lumen.motion != NULL) setup->lumen.motion = &setup->motion;
+    setup->walls = scene->walls;
+    if (scene->lumen.walls != NULL) setup->lumen.walls = &setup->walls;
     if (app->port->near_bytes != 0) {
         crn_lumen_near_begin(&setup->lumen, &setup->motion, setup->lesions, app->port->near_memory,
                              app->port->near_bytes);
@@ -113,9 +108,8 @@ void crn_app_scene_end(crn_app *app, const uint8_t *payload, size_t length)
     const uint8_t *staged = app->port->scene_slots[slot];
     uint32_t crc = crn_wire_crc32(0, staged, upload.received_bytes);
     CRN_REJECT_IF(app, type, crc != upload.crc32, CRN_REJECT_SCENE_CRC, crc, upload.crc32);
-    opened_scene scene;
-    uint32_t status =
-        crn_app_lumen_open(staged, upload.received_bytes, &scene.lumen, &scene.motion, scene.lesions);
+    crn_opened_scene scene;
+    uint32_t status = crn_app_lumen_open(staged, upload.received_bytes, &scene);
     CRN_REJECT_IF(app, type, status != 0, CRN_REJECT_SCENE_INVALID, status, 0);
     const uint32_t near_bytes = near_bytes_needed(app, &scene);
     CRN_REJECT_IF(app, type, near_bytes > app->port->near_bytes, CRN_REJECT_SCENE_NEAR, near_bytes,
@@ -129,8 +123,8 @@ bool crn_app_scene_share(crn_app *app, const uint8_t *bytes, uint32_t byte_count
 {
     if (app->state != CRN_WIRE_STATE_READY || byte_count == 0) return false;
     app->setup.scene_upload.open = false;
-    opened_scene scene;
-    if (crn_app_lumen_open(bytes, byte_count, &scene.lumen, &scene.motion, scene.lesions) != 0 ||
+    crn_opened_scene scene;
+    if (crn_app_lumen_open(bytes, byte_count, &scene) != 0 ||
         near_bytes_needed(app, &scene) > app->port->near_bytes) {
         app->setup.has_scene = false;
         return false;

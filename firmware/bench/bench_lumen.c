@@ -13,7 +13,7 @@ static int8_t samples[2 * CRN_LUMEN_BRICK_SAMPLES];
 static const uint16_t index_entries[2] = {2, 0x8000};
 static const uint16_t children[8] = {3, 3, 3, 3, 3, 3, 3, 3};
 static const crn_lumen lumen = {{0, 0, 0}, {2, 1, 1}, 1, 2,    index_entries, children,
-                                samples,   NULL,      0, NULL, NULL};
+                                samples,   NULL,      0, NULL, NULL,          NULL};
 static crn_vec3 points[POINTS];
 static volatile int32_t sink;
 

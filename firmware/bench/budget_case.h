@@ -59,6 +59,7 @@ static inline bool budget_build(const budget_case *c, crn_lumen *lumen, crn_mode
         .motion = NULL,
         .lesion_count = 0,
         .lesions = NULL,
+        .walls = NULL,
         .near = NULL,
     };
     crn_build_place place;

@@ -165,7 +165,15 @@ typedef struct place {
     bool is_free;      /* the place is outside the inserter and no other tool surrounds it */
     crn_vec3 point_m_q30;
     crn_vec3 along_q30; /* unit vector towards the hand */
+    crn_wall_give give; /* how far the wall has given way there */
 } place;
+
+int32_t crn_balloon_arc(const crn_model *model, const crn_state *state, uint32_t ball)
+{
+    const crn_balloon_model *balloon = &model->balloon;
+    return state->line.offset_m_q30[balloon->tool] + balloon->distal_m_q30 +
+           (int32_t)ball * balloon->spacing_m_q30;
+}
 
 /* Finds the position of one of the balloon's balls (spheres) on the tools' common centreline. The search
  * starts at the node `from`, which lies at or before the ball's position, and goes towards the user's hand.
@@ -173,8 +181,7 @@ typedef struct place {
 static place place_of(const crn_model *model, const crn_state *state, uint32_t ball, uint32_t from)
 {
     const crn_balloon_model *balloon = &model->balloon;
-    int32_t arc = state->line.offset_m_q30[balloon->tool] + balloon->distal_m_q30 +
-                  (int32_t)ball * balloon->spacing_m_q30;
+    const int32_t arc = crn_balloon_arc(model, state, ball);
     uint32_t i = from;
     while (i + 1 < model->node_count && model->mesh[i + 1].arc_m_q30 <= arc) {
         i++;
@@ -183,9 +190,13 @@ static place place_of(const crn_model *model, const crn_state *state, uint32_t b
                 0,
                 i + 1 < state->words.free_count && state->line.nodes[i].outer == balloon->tool,
                 {{0, 0, 0}},
-                state->words.nodes[i].tangent_q30};
+                state->words.nodes[i].tangent_q30,
+                {{{0, 0, 0}}, 0}};
     if (!at.is_free) {
         return at;
+    }
+    if (state->words.wall.used != 0) {
+        at.give = crn_wall_give_at(&state->words.wall, arc);
     }
     at.share_q30 = crn_clamp(crn_quotient(arc - model->mesh[i].arc_m_q30, model->mesh[i].length_m_q30, 30), 0,
                              CRN_ONE_Q30);
@@ -196,6 +207,12 @@ static place place_of(const crn_model *model, const crn_state *state, uint32_t b
         at.point_m_q30.v[k] = a->v[k] + crn_scale_q30(b->v[k] - a->v[k], at.share_q30);
     }
     return at;
+}
+
+/* Returns where a point lies in a vessel that no tool has pushed aside. */
+static crn_vec3 at_rest(const crn_vec3 *place_m_q30, const crn_wall_give *give)
+{
+    return crn_vec3_sub(*place_m_q30, give->way_m_q30);
 }
 
 /* Converts a point from patient coordinates to the reference pose, in which the lumen is described. */
@@ -300,23 +317,27 @@ static void directions(const crn_vec3 *along_q30, bool is_turned, crn_vec3 pair_
  * distance field of the lumen is accurate at the vessel wall. The distance field is not accurate on the axis
  * of a narrow vessel, because the spline rounds off the ridge that the distance has there. */
 static int32_t behind_wall(const crn_model *model, crn_state *state, const crn_lesion_section *section,
-                           const crn_vec3 *centre_m_q30, const crn_vec3 *direction_q30, int32_t radius_m_q30)
+                           const crn_wall_give *give, const crn_vec3 *centre_m_q30,
+                           const crn_vec3 *direction_q30, int32_t radius_m_q30)
 {
     crn_vec3 surface;
     for (int k = 0; k < 3; k++) {
         surface.v[k] = crn_add_sat(centre_m_q30->v[k], crn_scale_q30(radius_m_q30, direction_q30->v[k]));
     }
-    return crn_clamp(wall_distance(model, state, section, &surface), -FELT_M_Q30, FELT_M_Q30);
+    const crn_vec3 rest = at_rest(&surface, give);
+    return crn_clamp(wall_distance(model, state, section, &rest) - give->widen_m_q30, -FELT_M_Q30,
+                     FELT_M_Q30);
 }
 
 /* Moves the ball away from the two parts of the vessel wall that lie on opposite sides of the ball along one
  * direction. Returns half of the difference between the ball's diameter and the clearance between the two
  * walls. The returned value is negative where the vessel is wider than the ball. */
 static int32_t fit_between(const crn_model *model, crn_state *state, const crn_lesion_section *section,
-                           crn_vec3 *centre_m_q30, const crn_vec3 *direction_q30, int32_t radius_m_q30)
+                           const crn_wall_give *give, crn_vec3 *centre_m_q30, const crn_vec3 *direction_q30,
+                           int32_t radius_m_q30)
 {
-    int32_t ahead = behind_wall(model, state, section, centre_m_q30, direction_q30, radius_m_q30);
-    int32_t back = behind_wall(model, state, section, centre_m_q30, direction_q30, -radius_m_q30);
+    int32_t ahead = behind_wall(model, state, section, give, centre_m_q30, direction_q30, radius_m_q30);
+    int32_t back = behind_wall(model, state, section, give, centre_m_q30, direction_q30, -radius_m_q30);
     int32_t way = 0; /* displacement backwards, off the wall ahead */
     if (ahead + back > 0) {
         way = (ahead - back) / 2;
@@ -351,12 +372,13 @@ static int32_t grow(const crn_model *model, crn_state *state, uint32_t number, c
     crn_lesion_section open;
     const crn_lesion_section *section = NULL;
     if (state->words.lesions.bits != 0 && model->lumen != NULL) {
-        const crn_vec3 reference = in_reference(model, state, &centre);
+        const crn_vec3 rest = at_rest(&centre, &at->give);
+        const crn_vec3 reference = in_reference(model, state, &rest);
         section =
             crn_lesion_section_at(model->lumen, &state->words.lesions, &reference, &open) ? &open : NULL;
     }
     for (int d = 0; d < 2; d++) {
-        int32_t here = fit_between(model, state, section, &centre, &pair[d], grown);
+        int32_t here = fit_between(model, state, section, &at->give, &centre, &pair[d], grown);
         missing = here > missing ? here : missing;
     }
     ball->centre_m_q30 = centre;

@@ -29,6 +29,9 @@ int32_t crn_balloon_free_radius(const crn_balloon_model *balloon, int32_t pressu
  * pressure that crn_balloon_own_pressure returns. Format: Q30 m -> Pa; 0 while it unfolds. */
 int32_t crn_balloon_own_pressure(const crn_balloon_model *balloon, int32_t radius_m_q30);
 
+/* Returns how far a ball lies behind the leading tip along the tools. Q30 m. */
+int32_t crn_balloon_arc(const crn_model *model, const crn_state *state, uint32_t ball);
+
 /* The function crn_balloon_find runs before the solve, after the contacts with the wall were found. In
  * crn_balloon_find the balloon's balls grow against the wall at the predicted configuration, and the springs
  * between balls and centreline are added to the matrix. The function crn_balloon_forces adds the forces of

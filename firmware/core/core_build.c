@@ -1,6 +1,7 @@
 /* During set-up, this file derives the constants of the model from the tools. The constants are derived once
  * for each set of nested tools, so slow operations such as bit-by-bit division are acceptable. */
 #include "firmware/core/balloon.h"
+#include "firmware/core/lesion.h"
 
 enum {
     FOLD_MAX_N = 8192,         /* W / l: bounds the products of joint_forces() in rod_force.c */
@@ -505,6 +506,9 @@ crn_build_status crn_model_build_table(crn_model *model, const crn_instrument *t
     model->friction = CRN_FRICTION_STIFFNESS_N_m << model->stiffness_exponent;
     if (lumen != NULL && lumen->motion != NULL) {
         crn_motion_steepness_make(lumen->motion, &model->steepness);
+    }
+    if (lumen != NULL && lumen->walls != NULL) {
+        crn_wall_build(lumen->walls, model->walls);
     }
     build_base_axes(model);
     for (uint32_t k = 0; k < line_count; k++) {

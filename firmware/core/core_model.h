@@ -149,9 +149,21 @@ typedef struct crn_table_tool {
     crn_tool tool;
 } crn_table_tool;
 
+/* A law, ready for a tick, for a station between others (k = 1 / (k l): l is the spacing) and for the station
+ * at the tip, to which half a spacing of the vessel and what the vessel carries ahead belong. */
+typedef struct crn_wall_ready {
+    int32_t way_q16[2], widen_q16[2]; /* m in Q30 per N in Q22, with 16 more bits; [1]: at the tip */
+    int32_t wait_q8;                  /* tau, in ticks */
+    int32_t bed_q24[2];               /* 1, and at the tip 1 + 2 carry / l: how strongly the bed draws back */
+    int32_t carry_q24;                /* (carry / l)^2 */
+    int32_t way_share_q30[2], widen_share_q30; /* how much a station moves in a tick without contact */
+    int32_t way_max_m_q30, widen_max_m_q30;
+} crn_wall_ready;
+
 struct crn_model {
     const crn_lumen *lumen;
-    crn_motion_steepness steepness; /* for a lumen that moves */
+    crn_motion_steepness steepness;             /* for a lumen that moves */
+    crn_wall_ready walls[CRN_WALL_LAW_MAX + 1]; /* for walls that give way; 0: rigid */
     crn_entry entry;
     uint32_t tool_count; /* positions of the line; each has a tool or is free */
     uint32_t table_count;

@@ -14,6 +14,8 @@ enum {
     EXCHANGE_WORDS = sizeof(crn_exchange_state) / 4,
     SET_WORD = offsetof(crn_state_words, set) / 4,
     SET_WORDS = sizeof(crn_set_state) / 4,
+    WALL_WORD = offsetof(crn_state_words, wall) / 4,
+    GIVE_WORDS = sizeof(crn_wall_give) / 4,
     NODE_WORDS = sizeof(crn_node_state) / 4,
     STATE_WORDS = sizeof(crn_state_words) / 4,
     INSIDE_KEPT = 3,
@@ -225,8 +227,8 @@ static bool words_are_valid(const crn_model *model, const crn_state_words *words
 {
     uint32_t na = words->free_count;
     if (na < 4 || na + INSIDE_KEPT > model->node_count || !crn_exchange_is_valid(model, words) ||
-        !crn_set_is_valid(model, words) || !tools_are_valid(model, words) ||
-        !crn_rhythm_is_valid(&words->rhythm) ||
+        !crn_set_is_valid(model, words) || !crn_wall_is_valid(model, &words->wall) ||
+        !tools_are_valid(model, words) || !crn_rhythm_is_valid(&words->rhythm) ||
         !crn_balloon_is_valid(crn_exchange_balls(model, words), &words->balloon) ||
         !crn_lesion_is_valid(model->lumen, &words->lesions) || !crn_struts_are_valid(&words->struts)) {
         return false;
@@ -283,12 +285,13 @@ bool crn_state_restore(crn_model *model, crn_state *state, const uint8_t *bytes)
 
 /* Names the ranges of the state's words over which a hash is computed. Strut rings that do not exist are left
  * out of the hash, and their words are 0 (`used` gives the number of rings). The numbers of the nested tools
- * are part of the hash only after the first exchange of tools. */
+ * are part of the hash only after the first exchange of tools, and the ways of the walls only while a wall is
+ * displaced. */
 typedef struct hashed_range {
     size_t first, end;
 } hashed_range;
 
-enum { RANGES = 4 };
+enum { RANGES = 5 };
 
 static void hashed_words(const crn_state_words *words, hashed_range ranges[RANGES])
 {
@@ -296,7 +299,9 @@ static void hashed_words(const crn_state_words *words, hashed_range ranges[RANGE
     ranges[0] = (hashed_range){0, RINGS_WORD + (size_t)RING_WORDS * words->struts.used};
     ranges[1] = (hashed_range){EXCHANGE_WORD, EXCHANGE_WORD + exchanged};
     ranges[2] = (hashed_range){SET_WORD, SET_WORD + (words->set.used_bits != 0 ? (size_t)SET_WORDS : 0)};
-    ranges[3] = (hashed_range){HEADER_WORDS, live_words(words)};
+    ranges[3] = (hashed_range){
+        WALL_WORD, WALL_WORD + (words->wall.used != 0 ? 1 + (size_t)GIVE_WORDS * words->wall.used : 0)};
+    ranges[4] = (hashed_range){HEADER_WORDS, live_words(words)};
 }
 
 /* The hash lanes are two 32-bit polynomials, one over the even words and one over the odd words: the sum of
@@ -461,7 +466,7 @@ int32_t crn_state_depth(const crn_model *model, const crn_state *state)
 {
     int32_t deepest = INT32_MIN;
     for (uint32_t i = 0; model->lumen != NULL && i < state->words.free_count; i++) {
-        crn_lumen_sample wall = crn_wall_sample(model, state, &state->words.nodes[i].position_m_q30);
+        const crn_lumen_sample wall = crn_wall_sample_at_node(model, state, i);
         int32_t depth = crn_add_sat(wall.distance_m_q30, state->line.nodes[i].radius_m_q30);
         deepest = depth > deepest ? depth : deepest;
     }

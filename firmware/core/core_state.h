@@ -96,6 +96,24 @@ typedef struct crn_set_state {
     crn_set cells[CRN_TOOL_MAX][CRN_SET_CELL_MAX];
 } crn_set_state;
 
+enum {
+    CRN_WALL_STATION_MAX = 192,         /* 1.5 m */
+    CRN_WALL_SPACING_LOG2_Q30 = 23,     /* 7.8 mm */
+    CRN_WALL_WAY_MAX_M_Q30 = 21474836,  /* 20 mm */
+    CRN_WALL_WIDEN_MAX_M_Q30 = 4294967, /* 4 mm */
+};
+
+/* How far the vessel is displaced at a station. */
+typedef struct crn_wall_give {
+    crn_vec3 way_m_q30;
+    int32_t widen_m_q30;
+} crn_wall_give;
+
+typedef struct crn_wall_state {
+    uint32_t used; /* number of stations up to the last one that is displaced; 0: the vessel is at rest */
+    crn_wall_give stations[CRN_WALL_STATION_MAX]; /* those from `used` on do not enter a hash */
+} crn_wall_state;
+
 typedef struct crn_state_words {
     uint32_t tick;
     uint32_t fault_bits;
@@ -117,6 +135,7 @@ typedef struct crn_state_words {
     crn_strut_state struts;
     crn_exchange_state exchange;
     crn_set_state set;
+    crn_wall_state wall;
     crn_node_state nodes[CRN_ARRAY_NODES];
 } crn_state_words;
 
@@ -232,11 +251,11 @@ enum { CRN_SCRATCH_SPARE = 1024 }; /* beside the saved state */
 typedef struct crn_scratch {
     union {
         crn_work nodes[CRN_ARRAY_NODES];
-        struct {
-            crn_state_words incoming; /* a state being restored, until it has passed its checks */
-            /* memory for the owner of the state, who may use it between ticks: room for a saved state */
-            uint8_t spare[sizeof(crn_state_words) + CRN_SCRATCH_SPARE];
-        };
+        crn_state_words incoming; /* a state being restored, until it has passed its checks */
+        /* Memory for the owner of the state, who may use it between ticks: room for a saved state. A state
+         * can be restored from bytes that lie here, which are lost then: crn_state_restore() reads them in
+         * their order, and writes each word of `incoming` at or before the place where it has read it. */
+        uint8_t spare[sizeof(crn_state_words) + CRN_SCRATCH_SPARE];
     };
     crn_motion_pose pose;      /* pose of a vessel that moves */
     crn_joint mouth[2];        /* joints na-1 and na with their cells clipped at the inserter's distal end */

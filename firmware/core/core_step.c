@@ -168,6 +168,7 @@ void crn_step(const crn_model *model, crn_state *state, const crn_input *input, 
     crn_rod_keep_lengths(model, state, largest_m_q33);
     state->words.has_missed = missed;
     crn_contact_finish(model, state, output);
+    crn_wall_step(model, state);
     crn_balloon_finish(model, state, output);
     crn_tools_slide(model, state);
     share_handles(model, state, line_axial_N_q22);

@@ -1,6 +1,6 @@
 /* This file computes the vessel wall at lesions that a balloon can open (lesion.h, docs/lesions.md). */
 #include "firmware/core/lesion.h"
-#include "firmware/core/rod.h"
+#include "firmware/core/balloon.h"
 
 enum {
     RELAX_LOG2 = 5, /* a 32nd of what is missing, in each tick */
@@ -266,13 +266,18 @@ static void step(const crn_lesion *lesion, crn_lesion_state *lesions, uint32_t i
     lesions->bits = (lesions->bits & ~(1u << index)) | (any != 0 ? 1u << index : 0);
 }
 
-/* Computes the positions of the balloon's balls (spheres) in the reference pose. */
+/* Computes the positions of the balloon's balls (spheres) in the reference pose of a vessel that no tool has
+ * pushed aside. */
 static void places_of(const crn_model *model, crn_state *state, crn_vec3 places_m_q30[])
 {
     const crn_motion *motion = model->lumen->motion;
     for (uint32_t j = 0; j < model->balloon.ball_count; j++) {
-        const crn_vec3 *centre = &state->words.balloon.balls[j].centre_m_q30;
-        places_m_q30[j] = motion == NULL ? *centre : crn_motion_pull(motion, &state->scratch.pose, centre);
+        crn_vec3 centre = state->words.balloon.balls[j].centre_m_q30;
+        if (state->words.wall.used != 0) {
+            const crn_wall_give give = crn_wall_give_at(&state->words.wall, crn_balloon_arc(model, state, j));
+            centre = crn_vec3_sub(centre, give.way_m_q30);
+        }
+        places_m_q30[j] = motion == NULL ? centre : crn_motion_pull(motion, &state->scratch.pose, &centre);
     }
 }
 

@@ -1,4 +1,5 @@
-/* This header has the lesions that give way, and the struts that hold them open.
+/* This header has the lesions that give way, the struts that hold them open, and the walls that tools push
+ * aside.
  *
  * A lesion that "gives way" is a narrowed part of a vessel that a balloon can open towards the healthy
  * vessel.
@@ -105,5 +106,42 @@ bool crn_struts_here(const crn_model *model, crn_state *state, const crn_vec3 *w
                      int32_t radius_m_q30, crn_lumen_sample *sample);
 
 bool crn_struts_are_valid(const crn_strut_state *struts);
+
+/* --- walls that give way (wall/wall.c, docs/walls.md) -----------------------------------------------------
+ */
+
+/* Makes the laws of a scene ready; for set-up. */
+void crn_wall_build(const crn_walls *walls, crn_wall_ready ready[CRN_WALL_LAW_MAX + 1]);
+
+/* Returns how far the vessel is displaced at an arc length behind the leading tip. */
+crn_wall_give crn_wall_give_at(const crn_wall_state *wall, int32_t arc_m_q30);
+
+/* Lets the walls give way under the contacts of this tick; after crn_contact_finish(). */
+void crn_wall_step(const crn_model *model, crn_state *state);
+
+/* Returns whether a restored state is one that ticks could have made. */
+bool crn_wall_is_valid(const crn_model *model, const crn_wall_state *wall);
+
+/* Where the wall at rest is looked at for a node: the node's position, less the way that the wall has given
+ * there; the wall has also widened there. */
+typedef struct crn_wall_view {
+    const crn_vec3 *at_m_q30;
+    int32_t widen_m_q30;
+    crn_vec3 moved_m_q30; /* where `at_m_q30` points if the wall has given way */
+} crn_wall_view;
+
+/* Changes a view by the way at an arc length. */
+void crn_wall_move_view(const crn_wall_state *wall, int32_t arc_m_q30, crn_wall_view *view);
+
+/* A view must not be copied, because it may point into itself. */
+static inline void crn_wall_look(const crn_model *model, const crn_state *state, uint32_t i,
+                                 const crn_vec3 *at_m_q30, crn_wall_view *view)
+{
+    view->at_m_q30 = at_m_q30;
+    view->widen_m_q30 = 0;
+    if (state->words.wall.used != 0) {
+        crn_wall_move_view(&state->words.wall, model->mesh[i].arc_m_q30, view);
+    }
+}
 
 #endif

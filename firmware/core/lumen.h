@@ -64,6 +64,28 @@ typedef struct crn_lesion {
     const crn_lesion_station *stations;
 } crn_lesion;
 
+enum { CRN_WALL_LAW_MAX = 16 };
+
+/* How the wall gives way, as a scene states it; the code in shared/scene checks the ranges. */
+typedef struct crn_wall_law {
+    uint32_t bed_N_m2;    /* force per length by which a straight vessel moves aside 1 m; 1 000 .. 10 000 000,
+                             or 0: it does not move */
+    uint32_t radial_N_m2; /* the same for widening; 10 000 .. 10 000 000, or 0: it does not widen */
+    uint32_t relax_ms;    /* tau, 20 .. 10 000 */
+    uint32_t carry_um;    /* root of T / k: over this length a way spreads along the vessel, 0 .. 20 000 */
+    uint32_t way_max_um;  /* 0 .. 20 000 */
+    uint32_t widen_max_um; /* 0 .. 4 000 */
+    uint32_t reserved[2];
+} crn_wall_law;
+
+/* The laws of a scene. `law_of_brick` has one number for each coarse brick of the lumen's lattice, in the
+ * order of its index: 0 for a rigid wall, or the number of a law from 1. */
+typedef struct crn_walls {
+    uint32_t law_count;
+    const crn_wall_law *laws;
+    const uint8_t *law_of_brick;
+} crn_walls;
+
 typedef struct crn_lumen {
     int32_t origin_m_q30[3];     /* corner of coarse brick (0,0,0) */
     uint32_t brick_count_xyz[3]; /* coarse bricks along each axis, each >= 1 */
@@ -76,6 +98,8 @@ typedef struct crn_lumen {
                                         is NULL if the vessel does not move. The samplers below ignore it */
     uint32_t lesion_count; /* lesions that give way, at most CRN_LESION_MAX. The samplers ignore them too */
     const crn_lesion *lesions;
+    const crn_walls *walls; /* how the walls give way, or NULL: they are rigid. The samplers
+                                      ignore it */
     /* Copies of parts of the scene in faster memory (near.h), or NULL: the scene is read in place. */
     struct crn_near *near;
 } crn_lumen;

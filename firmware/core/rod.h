@@ -380,9 +380,18 @@ void crn_tools_turned(const crn_model *model, crn_state *state);
 void crn_tools_handles(const crn_model *model, crn_state *state);
 void crn_tools_slide(const crn_model *model, crn_state *state);
 
-/* Samples the vessel wall at the moment of the given state, for callers outside a tick. */
+/* Samples the vessel wall at the moment of the given state, for callers outside a tick: at a point, as if no
+ * tool pushed the wall aside, and at a node, with the way that the wall has given there. */
 crn_lumen_sample crn_wall_sample(const crn_model *model, const crn_state *state,
                                  const crn_vec3 *position_m_q30);
+crn_lumen_sample crn_wall_sample_at_node(const crn_model *model, const crn_state *state, uint32_t node);
+/* Returns the normal force at a contact depth, Q22 N, and the stiffness there. */
+int32_t crn_contact_force(int32_t depth_m_q30);
+static inline int32_t crn_contact_stiffness_N_m(int32_t depth_m_q30)
+{
+    return CRN_CONTACT_STIFFNESS_N_m +
+           (depth_m_q30 > CRN_CONTACT_DEEP_M_Q30 ? CRN_CONTACT_STIFFNESS_DEEP_N_m : 0);
+}
 
 /* The function crn_contact_find finds the contacts with the wall and their stiffnesses at the predicted
  * configuration. Once the rotation of the tool's surface is known, crn_contact_forces computes the forces of

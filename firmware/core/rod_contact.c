@@ -193,31 +193,31 @@ CRN_RARE static void push_second(crn_state *state, const crn_second_contact *sec
 }
 
 /* Samples the wall at a node; `placed` is true if wall_distance() looked up this point last. */
-static inline crn_lumen_sample wall_at(const crn_model *model, crn_state *state, const crn_work *work,
+static inline crn_lumen_sample wall_at(const crn_model *model, crn_state *state, const crn_wall_view *view,
                                        bool placed)
 {
     const crn_lumen *lumen = model->lumen;
     crn_lumen_sample open;
     if (state->words.lesions.bits != 0 &&
-        crn_lesion_wall(model, &state->words, &state->scratch.pose, &work->position_m_q30, &open)) {
+        crn_lesion_wall(model, &state->words, &state->scratch.pose, view->at_m_q30, &open)) {
         return open;
     }
     if (lumen->motion == NULL) {
-        return crn_lumen_contact(lumen, &work->position_m_q30);
+        return crn_lumen_contact(lumen, view->at_m_q30);
     }
     return placed ? crn_motion_contact_here(lumen, lumen->motion, &state->scratch.pose)
-                  : crn_motion_contact(lumen, lumen->motion, &state->scratch.pose, &work->position_m_q30);
+                  : crn_motion_contact(lumen, lumen->motion, &state->scratch.pose, view->at_m_q30);
 }
 
 /* Computes a node's contact depth and the wall's normal at x*; returns false where the distance field has no
  * gradient. */
 static inline bool sample(const crn_model *model, crn_state *state, crn_work *work, const crn_line_node *line,
-                          bool placed)
+                          const crn_wall_view *view, bool placed)
 {
-    const crn_lumen_sample wall = wall_at(model, state, work, placed);
-    work->distance_m_q30 = wall.distance_m_q30;
+    const crn_lumen_sample wall = wall_at(model, state, view, placed);
+    work->distance_m_q30 = wall.distance_m_q30 - view->widen_m_q30;
     work->normal_q30 = wall.normal_q30;
-    work->depth_m_q30 = crn_add_sat(wall.distance_m_q30, line->radius_m_q30);
+    work->depth_m_q30 = crn_add_sat(work->distance_m_q30, line->radius_m_q30);
     bool known = (work->normal_q30.v[0] | work->normal_q30.v[1] | work->normal_q30.v[2]) != 0;
     if (!known && work->distance_m_q30 > 0) {
         state->words.fault_bits |= CRN_FAULT_OUTSIDE;
@@ -237,29 +237,32 @@ static void clear(crn_node_state *node)
 /* Returns the node's distance to the wall at the predicted configuration as if all lesions were closed. If
  * lesions are open, the true distance is at least as large. For a node farther inside than `far`, and for a
  * moving wall, the result is a lower bound; at the wall or beyond it, the bound is at least 0. */
-static inline int32_t wall_distance(const crn_model *model, crn_state *state, const crn_work *work,
+static inline int32_t wall_distance(const crn_model *model, crn_state *state, const crn_wall_view *view,
                                     int32_t far_m_q30, crn_lumen_voxel *voxel)
 {
     const crn_lumen *lumen = model->lumen;
-    return lumen->motion == NULL
-               ? crn_lumen_distance_unless_far(lumen, &work->position_m_q30, far_m_q30, voxel)
-               : crn_motion_distance(lumen, lumen->motion, &state->scratch.pose, &work->position_m_q30,
-                                     state->scratch.wall_shrink_q30, far_m_q30);
+    const int32_t far = far_m_q30 + view->widen_m_q30; /* of the wall at rest */
+    return (lumen->motion == NULL
+                ? crn_lumen_distance_unless_far(lumen, view->at_m_q30, far, voxel)
+                : crn_motion_distance(lumen, lumen->motion, &state->scratch.pose, view->at_m_q30,
+                                      state->scratch.wall_shrink_q30, far)) -
+           view->widen_m_q30;
 }
 
 /* A node is sampled only if it touched the wall in the last tick or is near the wall now. */
 static inline bool may_touch(const crn_model *model, crn_state *state, const crn_node_state *node,
-                             crn_work *work, const crn_line_node *line, crn_lumen_voxel *voxel)
+                             crn_work *work, const crn_line_node *line, const crn_wall_view *view,
+                             crn_lumen_voxel *voxel)
 {
     const bool placed = node->contact == CRN_CONTACT_NONE;
     if (placed) {
         int32_t far = -line->radius_m_q30 - (length_at_most(&work->drift_m_q33) >> 3) - ROUNDING_M_Q30;
-        work->distance_m_q30 = wall_distance(model, state, work, far, voxel);
+        work->distance_m_q30 = wall_distance(model, state, view, far, voxel);
         if (work->distance_m_q30 < far) {
             return false;
         }
     }
-    return sample(model, state, work, line, placed);
+    return sample(model, state, work, line, view, placed);
 }
 
 /* Returns the greater of a node's contact depths at the position x* and after the motion `drift_m_q33`. */
@@ -272,10 +275,10 @@ static int32_t worst_depth(const crn_vec3 *normal_q30, int32_t depth_m_q30, cons
 /* Of stent struts and wall, the surface in which a node is deeper becomes the node's first contact. The
  * shallower surface becomes the second contact if the node touches it, too. */
 CRN_RARE static bool meet_struts(const crn_model *model, crn_state *state, crn_work *work,
-                                 const crn_line_node *line, bool is_at_wall)
+                                 const crn_line_node *line, const crn_wall_view *view, bool is_at_wall)
 {
     crn_lumen_sample struts;
-    if (!crn_struts_here(model, state, &work->position_m_q30, line->radius_m_q30, &struts)) {
+    if (!crn_struts_here(model, state, view->at_m_q30, line->radius_m_q30, &struts)) {
         return is_at_wall;
     }
     const int32_t depth = crn_add_sat(struts.distance_m_q30, line->radius_m_q30);
@@ -305,9 +308,11 @@ CRN_RARE static bool meet_struts(const crn_model *model, crn_state *state, crn_w
 static inline void find_node(const crn_model *model, crn_state *state, crn_node_state *node, crn_work *work,
                              const crn_line_node *line, crn_lumen_voxel *voxel)
 {
-    bool is_near = may_touch(model, state, node, work, line, voxel);
+    crn_wall_view view;
+    crn_wall_look(model, state, (uint32_t)(work - state->scratch.nodes), &work->position_m_q30, &view);
+    bool is_near = may_touch(model, state, node, work, line, &view, voxel);
     if (state->words.struts.used != 0) {
-        is_near = meet_struts(model, state, work, line, is_near);
+        is_near = meet_struts(model, state, work, line, &view, is_near);
     }
     if (!is_near) {
         clear(node);
@@ -389,10 +394,10 @@ void crn_contact_forces(const crn_model *model, crn_state *state)
 
 /* Replaces the wall, or no contact, by struts where they are deeper at x*. */
 CRN_RARE static bool or_struts(const crn_model *model, crn_state *state, crn_work *work,
-                               const crn_line_node *line, bool is_known)
+                               const crn_line_node *line, const crn_wall_view *view, bool is_known)
 {
     crn_lumen_sample struts;
-    if (!crn_struts_here(model, state, &work->position_m_q30, line->radius_m_q30, &struts) ||
+    if (!crn_struts_here(model, state, view->at_m_q30, line->radius_m_q30, &struts) ||
         (is_known && struts.distance_m_q30 <= work->distance_m_q30)) {
         return is_known;
     }
@@ -414,9 +419,11 @@ static inline bool was_missed(const crn_model *model, crn_state *state, uint32_t
     if (held || work->distance_m_q30 < -line->radius_m_q30 - reach_m_q30) {
         return false;
     }
-    bool is_known = sample(model, state, work, line, false);
+    crn_wall_view view;
+    crn_wall_look(model, state, i, &work->position_m_q30, &view);
+    bool is_known = sample(model, state, work, line, &view, false);
     if (state->words.struts.used != 0) {
-        is_known = or_struts(model, state, work, line, is_known);
+        is_known = or_struts(model, state, work, line, &view, is_known);
     }
     if (!is_known) {
         return false;
@@ -534,60 +541,7 @@ void crn_contact_finish(const crn_model *model, crn_state *state, crn_output *ou
     }
 }
 
-/* Samples the wall at the moment of the given state; the function sets the vessel's pose to that moment. */
-static crn_lumen_sample wall_now(const crn_model *model, const crn_state *state, crn_motion_pose *pose,
-                                 const crn_vec3 *position_m_q30)
+int32_t crn_contact_force(int32_t depth_m_q30)
 {
-    crn_lumen_sample open;
-    if (model->lumen->motion != NULL) {
-        crn_motion_pose_begin(model->lumen->motion, pose, &state->words.rhythm, &state->words.rhythm);
-    }
-    if (state->words.lesions.bits != 0 &&
-        crn_lesion_wall(model, &state->words, pose, position_m_q30, &open)) {
-        return open;
-    }
-    if (model->lumen->motion == NULL) {
-        return crn_lumen_contact(model->lumen, position_m_q30);
-    }
-    return crn_motion_contact(model->lumen, model->lumen->motion, pose, position_m_q30);
-}
-
-crn_lumen_sample crn_wall_sample(const crn_model *model, const crn_state *state,
-                                 const crn_vec3 *position_m_q30)
-{
-    crn_motion_pose pose;
-    return wall_now(model, state, &pose, position_m_q30);
-}
-
-static void add_push(const crn_lumen_sample *what, int32_t radius_m_q30, crn_vec3 *force_N_q22)
-{
-    const int32_t depth = crn_add_sat(what->distance_m_q30, radius_m_q30);
-    const int32_t push = depth > 0 ? normal_force(depth) : 0;
-    for (int k = 0; k < 3; k++) {
-        force_N_q22->v[k] = crn_add_sat(force_N_q22->v[k], crn_mul_q30(push, what->normal_q30.v[k]));
-    }
-}
-
-bool crn_state_contact_force(const crn_model *model, const crn_state *state, uint32_t node,
-                             crn_vec3 *force_N_q22)
-{
-    *force_N_q22 = (crn_vec3){{0, 0, 0}};
-    if (model->lumen == NULL || node >= state->words.free_count ||
-        state->words.nodes[node].contact == CRN_CONTACT_NONE) {
-        return false;
-    }
-    const crn_node_state *n = &state->words.nodes[node];
-    const int32_t radius = state->line.nodes[node].radius_m_q30;
-    crn_motion_pose pose;
-    crn_lumen_sample struts, wall = wall_now(model, state, &pose, &n->position_m_q30);
-    add_push(&wall, radius, force_N_q22);
-    if (state->words.struts.used != 0 &&
-        crn_struts_wall(model, &state->words, &pose, &n->position_m_q30, radius, &struts)) {
-        add_push(&struts, radius, force_N_q22);
-    }
-    for (int k = 0; k < 3; k++) {
-        int64_t drag = ((int64_t)n->bristle_m_q33.v[k] * CRN_FRICTION_STIFFNESS_N_m) >> 11;
-        force_N_q22->v[k] = crn_sat32(force_N_q22->v[k] - drag);
-    }
-    return true;
+    return normal_force(depth_m_q30);
 }

@@ -25,7 +25,7 @@ static void a_slow_host_loses_pictures_and_no_tick(void **state)
     (void)state;
     static crn_wire_live live;
     uint32_t tick = 0, pictures = 0;
-    crn_sim_set_pipe(host->sim, 10500);
+    crn_sim_set_pipe(host->sim, 12100);
     assert_true(bench_power(&b));
     bench_drain(&b);
     client_stream(host, 0, 10);

@@ -31,6 +31,7 @@ static const crn_lumen lumen = {{-BRICK_Q30, 5 * VOXEL_Q30, -3},
                                 NULL,
                                 0,
                                 NULL,
+                                NULL,
                                 NULL};
 
 static double voxel_m(int level)

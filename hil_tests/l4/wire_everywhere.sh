@@ -3,7 +3,7 @@
 # two by user-mode emulation. One session must give the same hashes. Run it from the root of the tree. Prints TAP.
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-sources="hil_tests/l4/app_session.c $(ls firmware/tests/reference/*.c firmware/core/*.c firmware/core/near/*.c \
+sources="hil_tests/l4/app_session.c $(ls firmware/tests/reference/*.c firmware/core/*.c firmware/core/*/*.c \
     firmware/app/*.c firmware/app/haptics/*.c firmware/app/safety/*.c firmware/port/sim/*.c \
     shared/wire/*.c shared/scene/*.c)"
 count=0

@@ -49,6 +49,10 @@ WireFrame wire_frame(const crn_wire_nodes &nodes, const crn_wire_node_table &tab
     frame.balloon_spacing_m = units::metres(nodes.balloon_spacing_m_q30);
     for (std::size_t i = 0; i < nodes.lesions_open_q15_count; i++)
         frame.lesions_open.push_back(nodes.lesions_open_q15[i] / 32768.0);
+    for (std::size_t j = 0; j < nodes.walls_count; j++) {
+        const crn_wire_wall_way &at = nodes.walls[j];
+        frame.walls.push_back({Eigen::Vector3d(at.x_um, at.y_um, at.z_um) * 1e-6, at.widened_um * 1e-6});
+    }
     return frame;
 }
 

@@ -17,6 +17,14 @@ struct WireNode {
     double contrast_mg_per_ml = 0.0; // iodine in the surrounding blood
 };
 
+// How far the tools have pushed a vessel's wall aside at one station, and how much its radius has grown.
+struct WallWay {
+    Eigen::Vector3d way_m = Eigen::Vector3d::Zero();
+    double widened_m = 0.0;
+};
+
+inline constexpr double wall_spacing_m = 0.0078125; // of the stations, along the tools
+
 struct WireFrame {
     std::uint32_t tick = 0;
     std::uint32_t heart_phase32 = 0, breath_phase32 = 0; // 2^-32 cycle: docs/heart.md
@@ -34,6 +42,9 @@ struct WireFrame {
     // Holds the opening, 0 to 1, of each station (point) of each lesion that a balloon can open, lesion after
     // lesion (docs/lesions.md).
     std::vector<double> lesions_open{};
+    // The displacement of the vessel by the tools at stations `wall_spacing_m` apart, from the leading tip
+    // (docs/walls.md). The list is empty while the vessel is at rest.
+    std::vector<WallWay> walls{};
 };
 
 } // namespace crn

@@ -24,6 +24,16 @@ class BodyPoses
     std::optional<MovingBodies> moving_;
     BreathingBodies breathing_;
     OpenedBodies opened_;
+    void push_bodies(const WireFrame &wire);
+
+    // Bodies that tools push along with the vessels: the blood, and the calcium of lesions. The scene's own
+    // vertices belong to those that nothing else moves.
+    struct Pushed {
+        int body = 0;
+        std::vector<Eigen::Vector3i> rest_um, vertices_um;
+    };
+    std::vector<Pushed> pushed_;
+    std::vector<WallWay> pushed_by_; // of the list that was returned last
     std::vector<MovedBody> moved_;
     std::optional<MotionMoment> moved_at_; // moment to which they were last moved
     std::vector<double> moved_open_;

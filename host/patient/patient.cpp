@@ -1,4 +1,5 @@
 #include "host/patient/patient.hpp"
+#include "host/patient/pushed_vessels.hpp"
 #include <algorithm>
 #include <stdexcept>
 
@@ -144,14 +145,15 @@ std::uint32_t Patient::next_look() const
 
 void Patient::look_at_vessels(const WireFrame &wire)
 {
-    const bool was_looked_at = contrast_.advance(wire);
+    const WireFrame rest = at_rest(wire);
+    const bool was_looked_at = contrast_.advance(rest);
     if (was_looked_at && !contrast_.flow().wounds().is_empty()) {
         contrast_.follow_wounds(complications_.pressure_left(contrast_.flow()));
         take_wounds();
     }
-    catheter_pressure_.advance(wire);
-    if (stents_) stents_->advance(wire);
-    if (complications_.advance(wire, contrast_)) note_injury(wire.tick);
+    catheter_pressure_.advance(rest);
+    if (stents_) stents_->advance(rest);
+    if (complications_.advance(rest, contrast_)) note_injury(wire.tick);
 }
 
 bool Patient::can_be_injured() const
@@ -161,7 +163,7 @@ bool Patient::can_be_injured() const
 
 void Patient::locate(const WireFrame &wire)
 {
-    if (complications_.locate(wire, contrast_)) note_injury(wire.tick);
+    if (complications_.locate(at_rest(wire), contrast_)) note_injury(wire.tick);
 }
 
 // The user learns of a new injury, but not of an old one that has grown.

@@ -1,5 +1,6 @@
 #include "host/patient/pulse_shot.hpp"
 #include "host/patient/balloon.hpp"
+#include "host/patient/pushed_vessels.hpp"
 #include <iterator>
 #include <stdexcept>
 
@@ -40,6 +41,18 @@ void PulseShot::own()
     }
 }
 
+namespace
+{
+
+void push(const PushedVessels &pushed, std::span<SweptCurve> curves)
+{
+    if (pushed.is_empty()) return;
+    for (SweptCurve &curve : curves)
+        for (SweptPoint &point : curve.points) point.at_m += pushed.way_m(point.at_m);
+}
+
+} // namespace
+
 // A picture shows the tools, the medium in the vessels and in the balloon, and the struts of stents.
 PulseShot shot_of(Patient &patient, const WireFrame &shape, std::uint32_t tick, double iodine_mg_per_ml)
 {
@@ -47,15 +60,20 @@ PulseShot shot_of(Patient &patient, const WireFrame &shape, std::uint32_t tick, 
     shot.line = patient.line();
     shot.shape = shape;
     shot.shape.tick = tick;
-    patient.contrast().colour(shot.shape);
+    WireFrame rest = at_rest(shot.shape);
+    patient.contrast().colour(rest);
+    for (std::size_t i = 0; i < rest.nodes.size(); i++)
+        shot.shape.nodes[i].contrast_mg_per_ml = rest.nodes[i].contrast_mg_per_ml;
     shot.curves = balloon_filling(shot.shape, patient.tools(), iodine_mg_per_ml);
+    const std::size_t balloon = shot.curves.size();
     if (PatientStents *stents = patient.stents()) {
-        std::vector<SweptCurve> struts = stents->curves_at(shot.shape);
+        std::vector<SweptCurve> struts = stents->curves_at(rest);
         shot.curves.insert(shot.curves.end(), std::make_move_iterator(struts.begin()),
                            std::make_move_iterator(struts.end()));
     }
     const std::vector<SweptCurve> &medium = patient.contrast().curves();
     shot.curves.insert(shot.curves.end(), medium.begin(), medium.end());
+    push(PushedVessels(shot.shape), std::span(shot.curves).subspan(balloon));
     const std::span<const MovedBody> bodies = patient.bodies_at(shot.shape);
     shot.bodies.assign(bodies.begin(), bodies.end());
     return shot;

@@ -1,4 +1,5 @@
 #include "host/script/tip_places.hpp"
+#include "host/model/wall_way.hpp"
 #include "host/model/wire_place.hpp"
 #include <stdexcept>
 
@@ -13,11 +14,12 @@ std::vector<TipPlace> TipPlaces::at(const WireFrame &wire) const
     const auto pulled = [&](const Eigen::Vector3d &at_m) -> Eigen::Vector3d {
         return motion_ ? motion_->pull(at_m, moment) : at_m;
     };
-    const VesselPlace sheath = map_.at(pulled(wire.nodes.back().position_m));
+    const WireFrame rest = at_rest(wire);
+    const VesselPlace sheath = map_.at(pulled(rest.nodes.back().position_m));
     for (std::size_t k = 0; k < tips.size(); ++k) {
         TipPlace &tip = tips[k];
         tip.at_m = line_place_m(wire, wire.tip_arc_m[k]);
-        tip.reference_m = pulled(tip.at_m);
+        tip.reference_m = pulled(line_place_m(rest, wire.tip_arc_m[k]));
         tip.place = map_.at(tip.reference_m);
         tip.vessel = map_.vessels()[tip.place.vessel].name;
         tip.sheath = sheath;

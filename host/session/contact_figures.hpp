@@ -37,8 +37,16 @@ struct ContactFigures {
 
     // Adds the sum of the contact forces at this tick to the integral over time, as the force of the last
     // look_every_ticks ticks.
+    double wall_way_max_m = 0.0, wall_widened_max_m = 0.0; // of walls that give way
+    std::uint32_t wall_way_max_tick = 0;
+
     void take(const crn_wire_contacts &contacts)
     {
+        if (contacts.wall_way_um * 1e-6 > wall_way_max_m) {
+            wall_way_max_m = contacts.wall_way_um * 1e-6;
+            wall_way_max_tick = contacts.tick;
+        }
+        wall_widened_max_m = std::max(wall_widened_max_m, contacts.wall_widened_um * 1e-6);
         const double sum_N = contact_sum_N(contacts);
         is_known = true;
         impulse_N_s += sum_N * look_every_ticks * 1e-3;

@@ -35,11 +35,11 @@ constexpr ChunkRules protocol_5_rules = {is_old_kind, is_size_of}; // and of pro
 
 // When an old recording is upgraded, new data are inserted into a snapshot of protocol 4 or 5 at two kinds of
 // places: after the 108 bytes of each of its three tools, and directly before its 388 nodes of 84 bytes each.
-// A snapshot of protocol 6 lacks only the sets of the tools (crn_set_state of firmware/core/core_state.h),
-// which lie before the nodes.
+// A snapshot of protocol 6 lacks only the sets of the tools and the ways of the walls (crn_set_state of
+// firmware/core/core_state.h, crn_wall_state), which lie before the nodes.
 constexpr std::size_t snapshot_head_bytes = 12, snapshot_tool_bytes = 108, snapshot_tools = 3,
                       release_bytes = 12, node_bytes = std::size_t{388} * 84, exchange_words = 5,
-                      set_bytes = 4 + snapshot_tools * 160 * 8;
+                      set_bytes = 4 + snapshot_tools * 160 * 8, wall_bytes = 4 + 192 * 16;
 constexpr std::uint32_t protocol_5_snapshot_version = 3, protocol_6_snapshot_version = 4,
                         snapshot_version = 5;
 
@@ -203,9 +203,9 @@ class Upgrade
         add(kind, chunks_.payload_bytes());
     }
 
-    // The upgraded snapshot states that no tool has a set and, before protocol 6, that no tool was released
-    // by a replacement, and which tools are in use. A snapshot of an unknown form stays unchanged: a device
-    // refuses it, as before the conversion.
+    // The upgraded snapshot states that no tool has a set, that the walls are at rest and, before protocol 6,
+    // that no tool was released by a replacement, and which tools are in use. A snapshot of an unknown form
+    // stays unchanged: a device refuses it, as before the conversion.
     void take_snapshot()
     {
         const auto old = chunks_.payload_bytes();
@@ -229,7 +229,7 @@ class Upgrade
             for (std::uint32_t i = 0; i < exchange_words; i++)
                 put_word(bytes, i >= 1 && i <= positions_ ? i : 0);
         }
-        bytes.insert(bytes.end(), set_bytes, 0);
+        bytes.insert(bytes.end(), set_bytes + wall_bytes, 0);
         bytes.insert(bytes.end(), part(nodes), old.end());
         add(chunks_.kind(), bytes);
     }

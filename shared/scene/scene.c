@@ -94,7 +94,7 @@ static crn_scene_status check_header(crn_scene_check *check)
     TRY(check_size(check));
     check->section_count = crn_scene_u32(b + 20);
     bool is_scene = check->kind == CRN_SCENE_KIND_SCENE;
-    if (is_scene ? check->section_count < 3 || check->section_count > 6
+    if (is_scene ? check->section_count < 3 || check->section_count > 7
                  : check->section_count < 2 || check->section_count > 4 + CRN_SCENE_BODY_MAX)
         return crn_scene_fault_at(check, CRN_SCENE_SECTION_COUNT, 20);
     check->table_end = CRN_SCENE_HEADER_BYTES + check->section_count * CRN_SCENE_TABLE_ROW_BYTES;
@@ -126,9 +126,11 @@ static bool section_type_fits(const crn_scene_check *check, uint32_t index, uint
 {
     static const uint32_t scene_types[5] = {CRN_SCENE_META, CRN_SCENE_ENTRY, CRN_SCENE_LUMEN,
                                             CRN_SCENE_MOTION, CRN_SCENE_BREATH};
-    if (check->kind == CRN_SCENE_KIND_SCENE && index >= 3 && index == check->section_count - 1 &&
-        type == CRN_SCENE_PLAQUES)
-        return true;
+    const bool is_last = index == check->section_count - 1;
+    if (check->kind == CRN_SCENE_KIND_SCENE && index >= 3 && is_last && type == CRN_SCENE_WALLS) return true;
+    if (check->kind == CRN_SCENE_KIND_SCENE && index >= 3 && type == CRN_SCENE_PLAQUES)
+        return is_last || (index == check->section_count - 2 &&
+                           crn_scene_section_span(check->bytes, index + 1).type == CRN_SCENE_WALLS);
     if (check->kind == CRN_SCENE_KIND_SCENE) return index < 5 && type == scene_types[index];
     if (index == 0) return type == CRN_SCENE_META;
     if (index == check->content_count) return index >= 2; /* PARTNER, behind something */
@@ -275,12 +277,18 @@ static crn_scene_status check_scene(crn_scene_check *check, crn_scene *scene)
     if (check->kind == CRN_SCENE_KIND_BODIES) return check_body_file(check, scene);
     TRY(check_entry(check, crn_scene_section_span(check->bytes, 1), scene));
     TRY(crn_scene_check_lumen(check, crn_scene_section_span(check->bytes, 2), &scene->lumen));
-    const crn_scene_span last = crn_scene_section_span(check->bytes, check->section_count - 1);
+    uint32_t left = check->section_count - 3;
+    crn_scene_span last = crn_scene_section_span(check->bytes, 2 + left);
+    if (last.type == CRN_SCENE_WALLS) {
+        TRY(crn_scene_check_walls(check, last, scene));
+        last = crn_scene_section_span(check->bytes, 2 + --left);
+    }
     if (last.type == CRN_SCENE_PLAQUES) {
         scene->plaques = check->bytes + last.offset;
         TRY(crn_scene_check_plaques(check, last, &scene->plaque_count));
+        left--;
     }
-    const uint32_t moving = check->section_count - 3 - (last.type == CRN_SCENE_PLAQUES ? 1u : 0u);
+    const uint32_t moving = left;
     scene->has_motion = moving > 0;
     scene->has_breath = moving > 1;
     if (scene->has_motion)

@@ -26,8 +26,8 @@ enum {
     /* minor version; files get the lowest that covers their contents: 1 for a body that moves, a TREE; 2 for
        LESIONS; 3 for PLAQUES; 4 for MOTION and BREATH; 5 for PARTNER; 6 for an ENTRY with a start length;
        7 for SMALL; 8 for a small vessel that joins another one; 9 for a body that breathes; 10 for a body
-       with trabeculae */
-    CRN_SCENE_MINOR = 10,
+       with trabeculae; 11 for WALLS */
+    CRN_SCENE_MINOR = 11,
     CRN_SCENE_ALIGNMENT = 16,       /* of sections in the file */
     CRN_SCENE_ADDRESS_MULTIPLE = 4, /* of the bytes in memory */
     CRN_SCENE_HEADER_BYTES = 32,
@@ -84,6 +84,17 @@ enum {
     CRN_SCENE_MOTION_COUNT_MAX = 256, /* nodes along an axis */
     CRN_SCENE_MOTION_SPACING_LOG2_MIN = 20,
     CRN_SCENE_MOTION_SPACING_LOG2_MAX = 24,
+    CRN_SCENE_WALLS_HEADER_BYTES = 16,
+    CRN_SCENE_WALL_LAW_BYTES = 32,
+    CRN_SCENE_WALL_LAW_MAX = 16,
+    CRN_SCENE_WALL_BED_MIN_N_m2 = 1000,
+    CRN_SCENE_WALL_RADIAL_MIN_N_m2 = 10000,
+    CRN_SCENE_WALL_STIFFNESS_MAX_N_m2 = 10000000,
+    CRN_SCENE_WALL_RELAX_MIN_ms = 20,
+    CRN_SCENE_WALL_RELAX_MAX_ms = 10000,
+    CRN_SCENE_WALL_CARRY_MAX_um = 20000,
+    CRN_SCENE_WALL_WAY_MAX_um = 20000,
+    CRN_SCENE_WALL_WIDEN_MAX_um = 4000,
     CRN_SCENE_ENTRY_REACH_Q30 = 2040109465, /* 1.9 m, the limit that the core accepts */
 };
 
@@ -99,6 +110,7 @@ typedef enum crn_scene_section {
     CRN_SCENE_MOTION = 4,
     CRN_SCENE_PLAQUES = 5,
     CRN_SCENE_BREATH = 6,
+    CRN_SCENE_WALLS = 7,
     CRN_SCENE_BODY = 16,
     CRN_SCENE_TREE = 17,
     CRN_SCENE_LESIONS = 18,
@@ -151,6 +163,8 @@ typedef enum crn_scene_status {
                                out of range */
     CRN_SCENE_PLAQUE, /* no plaques, too many, or one whose stations, radii or pressures are out of range */
     CRN_SCENE_ENTRY_START, /* a start length of 0 or beyond 500 mm */
+    CRN_SCENE_WALL, /* walls that give way: no law, too many, a number out of range, or a brick with a law
+                       that does not exist */
     CRN_SCENE_STATUS_COUNT,
 } crn_scene_status;
 
@@ -191,8 +205,11 @@ typedef struct crn_scene {
     crn_scene_motion breath;
     uint32_t plaque_count; /* lesions that give way, in the order of the body file's lesions */
     const uint8_t *plaques;
-    uint32_t body_count;   /* KIND_BODIES */
-    uint32_t branch_count; /* branches of its tree of vessels; 0: it has no tree */
+    uint32_t wall_law_count;          /* how walls give way; 0: they are rigid */
+    const uint8_t *wall_laws;         /* CRN_SCENE_WALL_LAW_BYTES each */
+    const uint8_t *wall_law_of_brick; /* of each coarse brick; 0: rigid */
+    uint32_t body_count;              /* KIND_BODIES */
+    uint32_t branch_count;            /* branches of its tree of vessels; 0: it has no tree */
     const uint8_t *tree;
     uint32_t small_count; /* small vessels that begin in that tree */
     const uint8_t *small;

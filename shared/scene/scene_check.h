@@ -44,6 +44,8 @@ crn_scene_status crn_scene_check_small(crn_scene_check *check, crn_scene_span sp
 crn_scene_status crn_scene_check_lesions(crn_scene_check *check, crn_scene_span span, const crn_scene *scene,
                                          uint32_t *lesion_count);
 crn_scene_status crn_scene_check_plaques(crn_scene_check *check, crn_scene_span span, uint32_t *plaque_count);
+/* The lumen must have passed its own check before the walls are checked. */
+crn_scene_status crn_scene_check_walls(crn_scene_check *check, crn_scene_span span, crn_scene *scene);
 /* Checks that a point's coordinates are not too far from the origin and its radius is in range. */
 crn_scene_status crn_scene_check_tree_point(crn_scene_check *check, size_t at, crn_scene_status fault);
 

@@ -55,6 +55,7 @@ const char *crn_scene_status_text(crn_scene_status status)
             "a lesion lies where no vessel is, or its healthy points are damaged: bake it again",
         [CRN_SCENE_ENTRY_START] =
             "the start length is 0 or beyond 500 mm: correct inserted_mm and bake it again",
+        [CRN_SCENE_WALL] = "the walls that give way are damaged: bake it again",
         [CRN_SCENE_PLAQUE] = "a lesion that should give way is damaged or too large: bake it again",
     };
     return (unsigned)status < CRN_SCENE_STATUS_COUNT ? texts[status]

@@ -45,6 +45,7 @@ static bool has_joining_vessel(const crn_scene_part *small)
 /* Returns the first minor version of the scene format that can contain the given section. */
 static uint16_t minor_of_part(const crn_scene_part *part)
 {
+    if (part->type == CRN_SCENE_WALLS) return 11;
     if (part->type == CRN_SCENE_SMALL) return has_joining_vessel(part) ? 8 : 7;
     if (part->type == CRN_SCENE_ENTRY && part->size == CRN_SCENE_ENTRY_START_BYTES) return 6;
     if (part->type == CRN_SCENE_PARTNER) return 5;

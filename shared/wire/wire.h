@@ -33,6 +33,7 @@ typedef uint8_t crn_wire_u8;
 typedef uint16_t crn_wire_u16;
 typedef uint32_t crn_wire_u32;
 typedef uint64_t crn_wire_u64;
+typedef int16_t crn_wire_i16;
 typedef int32_t crn_wire_i32;
 
 enum {
@@ -40,6 +41,7 @@ enum {
     CRN_WIRE_BYTES_u16 = 2,
     CRN_WIRE_BYTES_u32 = 4,
     CRN_WIRE_BYTES_u64 = 8,
+    CRN_WIRE_BYTES_i16 = 2,
     CRN_WIRE_BYTES_i32 = 4,
 };
 

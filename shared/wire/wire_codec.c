@@ -18,6 +18,19 @@ PLAIN(u16, 2)
 PLAIN(u32, 4)
 PLAIN(u64, 8)
 
+static bool crn_wire_put_i16(crn_wire_writer *writer, const int16_t *value)
+{
+    crn_wire_write(writer, (uint16_t)*value, 2);
+    return !writer->overflowed;
+}
+
+static bool crn_wire_get_i16(crn_wire_reader *reader, int16_t *value)
+{
+    const int32_t bits = (int32_t)crn_wire_read(reader, 2);
+    *value = (int16_t)(bits <= INT16_MAX ? bits : bits - 65536);
+    return !reader->failed;
+}
+
 static bool crn_wire_put_i32(crn_wire_writer *writer, const int32_t *value)
 {
     crn_wire_write(writer, (uint32_t)*value, 4);

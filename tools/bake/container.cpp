@@ -225,6 +225,7 @@ Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const 
         sections.emplace_back(CRN_SCENE_BREATH, motion_section(motion->lattices.breath, 0, motion->inhaled));
     if (tree && !tree->lesions.empty())
         sections.emplace_back(CRN_SCENE_PLAQUES, plaques_section(*tree, text.lesions));
+    if (text.walls.is_given) sections.emplace_back(CRN_SCENE_WALLS, walls_section(text.walls, field, tree));
     return sealed(CRN_SCENE_KIND_SCENE, sections, text.file.string());
 }
 

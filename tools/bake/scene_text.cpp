@@ -340,6 +340,49 @@ LesionText lesion_of(const Table &t)
     return lesion;
 }
 
+double zero_or(const Table &t, const char *key, NumberRange range, double usual)
+{
+    const TomlValue value = t[key];
+    return !value ? usual : value.number() == 0 ? 0 : value.number(range);
+}
+
+WallLawText wall_law_of(const Table &t, const WallLawText &usual)
+{
+    WallLawText law;
+    law.bed_kPa = zero_or(t, "bed_kPa", {1, 10000}, usual.bed_kPa);
+    law.distensibility_per_kPa =
+        zero_or(t, "distensibility_per_kPa", {0.0004, 0.4}, usual.distensibility_per_kPa);
+    law.relax_ms =
+        t.number("relax_ms", {CRN_SCENE_WALL_RELAX_MIN_ms, CRN_SCENE_WALL_RELAX_MAX_ms}, usual.relax_ms);
+    law.carry_mm = t.number("carry_mm", {0, int{CRN_SCENE_WALL_CARRY_MAX_um} * 1e-3}, usual.carry_mm);
+    law.way_max_mm = t.number("way_max_mm", {0, int{CRN_SCENE_WALL_WAY_MAX_um} * 1e-3}, usual.way_max_mm);
+    law.widen_max_mm =
+        t.number("widen_max_mm", {0, int{CRN_SCENE_WALL_WIDEN_MAX_um} * 1e-3}, usual.widen_max_mm);
+    return law;
+}
+
+WallsText walls_of(const Table &t)
+{
+    t.check_keys({"bed_kPa", "distensibility_per_kPa", "relax_ms", "carry_mm", "way_max_mm", "widen_max_mm",
+                  "branch"});
+    WallsText walls;
+    walls.is_given = true;
+    walls.everywhere = wall_law_of(t, {});
+    for (const TomlTable &row : t.tables("branch")) {
+        const Table branch(row.inside("[[walls.branch]]"), t.folders);
+        branch.check_keys({"names", "bed_kPa", "distensibility_per_kPa", "relax_ms", "carry_mm", "way_max_mm",
+                           "widen_max_mm"});
+        WallBranchText text;
+        text.place = t.file() + ":" + std::to_string(branch["names"].line()) + ": [[walls.branch]]: ";
+        text.names = branch.texts("names");
+        if (text.names.empty())
+            branch.fail("needs names = [\"lad\", \"renal_*\"], the branches that it is for");
+        text.law = wall_law_of(branch, walls.everywhere);
+        walls.branches.push_back(std::move(text));
+    }
+    return walls;
+}
+
 void check_lesions(const SceneText &scene)
 {
     std::set<std::string> names, bodies;
@@ -429,7 +472,7 @@ SceneText read_scene_text(const std::filesystem::path &file, const Folders &fold
     const auto table = [&](const char *key) {
         return Table(root.table(key).inside("[" + std::string(key) + "]"), folders);
     };
-    root.check_keys({"scene", "lumen", "tree", "entry", "motion", "lesion", "body"});
+    root.check_keys({"scene", "lumen", "tree", "entry", "motion", "walls", "lesion", "body"});
     const Table head = table("scene");
     head.check_keys({"name", "source"});
     scene.name = head.text("name", CRN_SCENE_NAME_BYTES - 1, "");
@@ -445,6 +488,7 @@ SceneText read_scene_text(const std::filesystem::path &file, const Folders &fold
     }
     scene.entry = entry_of(table("entry"));
     if (root.has("motion")) scene.motion = motion_of(table("motion"), scene.lumen);
+    if (root.has("walls")) scene.walls = walls_of(table("walls"));
     for (const TomlTable &body : root.tables("body"))
         scene.bodies.push_back(body_of({body.inside("[[body]]"), folders}, root.has("motion")));
     for (const TomlTable &lesion : root.tables("lesion"))

@@ -79,6 +79,27 @@ struct MotionText {
     double end_systole = 11; // the frame in which the aortic valve closes: 393 of 857 ms at 70 /min
 };
 
+// How the walls of vessels give way to the tools (docs/walls.md).
+struct WallLawText {
+    double bed_kPa = 30;                   // force per length and way; 0: the vessel does not move aside
+    double distensibility_per_kPa = 0.012; // relative growth of the cross-section; 0: it does not widen
+    double relax_ms = 150;
+    double carry_mm = 10;
+    double way_max_mm = 12, widen_max_mm = 1.5;
+};
+
+struct WallBranchText {
+    std::string place; // file, line and table, for messages
+    std::vector<std::string> names;
+    WallLawText law;
+};
+
+struct WallsText {
+    bool is_given = false;
+    WallLawText everywhere;
+    std::vector<WallBranchText> branches;
+};
+
 struct EntryText {
     Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();
     Eigen::Vector3d direction = Eigen::Vector3d::Zero();
@@ -138,6 +159,7 @@ struct SceneText {
     TreeText tree;
     EntryText entry;
     MotionText motion;
+    WallsText walls;
     std::vector<LesionText> lesions;
     std::vector<BodyText> bodies;
 };

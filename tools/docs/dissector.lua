@@ -12,9 +12,9 @@ local proto = Proto("cournand", "Cournand")
 local fields = {}
 
 -- --- fields: one per value of the definition -------------------------------------------------------------------------
-local sizes = { u8 = 1, u16 = 2, u32 = 4, u64 = 8, i32 = 4 }
+local sizes = { u8 = 1, u16 = 2, u32 = 4, u64 = 8, i16 = 2, i32 = 4 }
 local makers = { u8 = ProtoField.uint8, u16 = ProtoField.uint16, u32 = ProtoField.uint32, u64 = ProtoField.uint64,
-    i32 = ProtoField.int32 }
+    i16 = ProtoField.int16, i32 = ProtoField.int32 }
 
 local function add_fields(owner, list)
     for _, field in ipairs(list) do

@@ -12,7 +12,8 @@ import subprocess
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 UNITS = (
-    "vector fixed line length tip rod tools lumen motion rhythm lesion strut balloon near exchange tools_friction set"
+    "vector fixed line length tip rod tools lumen motion rhythm lesion strut balloon near exchange tools_friction set "
+    "wall/wall"
 ).split()
 VALIDATE = "validate"
 CORE_ARCHIVE = "lib/libfirmware_core.a"
@@ -57,9 +58,10 @@ def unit_tests(units=UNITS):
     """Returns the tests of firmware/tests without a hash, and the names of the others."""
     tests, excluded = [], []
     for unit in units:
-        with open(os.path.join(ROOT, "firmware", "tests", "test_%s.c" % unit), encoding="utf-8") as file:
+        folder, name = os.path.split(unit)
+        with open(os.path.join(ROOT, "firmware", "tests", folder, "test_%s.c" % name), encoding="utf-8") as file:
             listed, hashed = tests_of_source(file.read())
-        program = "test_firmware_tests_test_%s" % unit
+        program = "test_firmware_tests_%stest_%s" % (folder + "_" if folder else "", name)
         tests += [Test(program, name) for name in listed if name not in hashed]
         excluded += [Test(program, name) for name in hashed]
     return tests, excluded

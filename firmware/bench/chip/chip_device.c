@@ -9,7 +9,7 @@ enum {
     CHIP_IN_BYTES = 1 << 17,
     CHIP_OUT_BYTES = 1 << 18,
     CHIP_SLOT_BYTES = 4 << 20,
-    CHIP_NEAR_BYTES = 388 << 10
+    CHIP_NEAR_BYTES = 372 << 10
 };
 
 static crn_app app __attribute__((section(".hot"), aligned(8)));

@@ -53,7 +53,7 @@ enum {
     BOARD_WAIT_MAX = 1000000, /* iterations of a loop that waits for the hardware at start-up; more mean that
                                  it is broken */
     BOARD_SLOT_BYTES = 4 << 20,   /* size of one scene in the PSRAM; a larger one takes both slots */
-    BOARD_NEAR_BYTES = 388 << 10, /* of the OCRAM, cached: parts of the scene (firmware/core/near/near.h) */
+    BOARD_NEAR_BYTES = 372 << 10, /* of the OCRAM, cached: parts of the scene (firmware/core/near/near.h) */
     BOARD_SERIAL_BYTES = 24,
 };
 

@@ -20,10 +20,8 @@ enum { /* fields of CORE_MPU_RASR: type (TEX, S, C, B), access, size as 2^(n + 1
        SIZE_512_MB = 28,
        SIZE_4_GB = 31,
        LINE_SHIFT = 5,
-       SIZE_128_kB = 16,
-       /* Near memory is the OCRAM from 112 kB on (image.ld). Of the eight equal parts of a region, those that
-        * do not belong to it: all but the last of the first 128 kB, and the first two of all 512 kB. */
-       WITHOUT_FIRST_SEVEN = 0x7f << 8,
+       /* Near memory is the OCRAM from 128 kB on (image.ld): of the eight equal parts of a region, all but
+        * the first two. */
        WITHOUT_FIRST_TWO = 3 << 8,
 };
 
@@ -40,7 +38,6 @@ static void protect(void)
         {0x00000000u, TYPE_UNCACHED | ACCESS_READ, SIZE_512_kB},             /* code memory */
         {0x20000000u, TYPE_UNCACHED | ACCESS_ALL | NEVER_CODE, SIZE_512_kB}, /* data memory */
         {0x20200000u, TYPE_UNCACHED | ACCESS_ALL | NEVER_CODE, SIZE_512_kB}, /* OCRAM: USB */
-        {0x20200000u, TYPE_WRITE_BACK | ACCESS_ALL | NEVER_CODE | WITHOUT_FIRST_SEVEN, SIZE_128_kB},
         {0x20200000u, TYPE_WRITE_BACK | ACCESS_ALL | NEVER_CODE | WITHOUT_FIRST_TWO, SIZE_512_kB},
         {0x40000000u, TYPE_DEVICE | ACCESS_ALL | NEVER_CODE, SIZE_512_MB},   /* registers */
         {0x60000000u, TYPE_WRITE_THROUGH | ACCESS_READ, SIZE_8_MB},          /* flash */

@@ -1,6 +1,6 @@
 /* Random sessions; see random_hands.h. */
 #include "firmware/tests/reference/random_hands.h"
-#include "firmware/core/core_state.h"
+#include "firmware/core/lesion.h"
 #include "firmware/tests/reference/random.h"
 #include "firmware/tests/reference/tube_lumen.h"
 
@@ -41,9 +41,24 @@ typedef struct session {
     crn_input input;
     crn_output output;
     reference_tube *vessel;
+    crn_lumen lumen;
+    crn_walls walls;
+    uint8_t *law_of_brick;
     reference_random random;
     int32_t speed[CRN_TOOL_MAX], turn[CRN_TOOL_MAX];
 } session;
+
+/* A soft and a stiff law, each for every other pair of bricks along the trunk. */
+static void soften(session *s)
+{
+    static const crn_wall_law laws[] = {{5000, 50000, 50, 10000, 10000, 2000, {0, 0}},
+                                        {40000, 200000, 200, 5000, 5000, 500, {0, 0}}};
+    const uint32_t *n = s->lumen.brick_count_xyz;
+    s->law_of_brick = malloc((size_t)n[0] * n[1] * n[2]);
+    for (uint32_t i = 0; i < n[0] * n[1] * n[2]; i++) s->law_of_brick[i] = (uint8_t)(1 + i % n[0] / 2 % 2);
+    s->walls = (crn_walls){2, laws, s->law_of_brick};
+    s->lumen.walls = &s->walls;
+}
 
 static session *start(uint32_t tool_count, uint32_t number)
 {
@@ -65,8 +80,9 @@ static session *start(uint32_t tool_count, uint32_t number)
     session *s = calloc(1, sizeof *s);
     s->vessel = reference_fork_make(&trunk, left, right, 0.005, 1);
     s->random = reference_random_seed(1000 + number);
-    if (crn_model_build(&s->model, tools, tool_count, &s->vessel->lumen, &entry, &place) != CRN_BUILD_OK)
-        abort();
+    s->lumen = s->vessel->lumen;
+    if (number >= REFERENCE_HANDS_WITH_WALLS) soften(s);
+    if (crn_model_build(&s->model, tools, tool_count, &s->lumen, &entry, &place) != CRN_BUILD_OK) abort();
     crn_state_init(&s->model, &s->state, inserted_um);
     return s;
 }
@@ -87,14 +103,18 @@ static void move_hands(session *s, uint32_t tool_count, int tick)
     }
 }
 
-/* Returns the largest depth of any node beyond the wall in mm, by the exact distance to the wall. */
+/* Returns the largest depth of any node beyond the wall in mm, by the exact distance to the wall, which the
+ * tools have pushed aside. */
 static double exact_depth_mm(const session *s)
 {
     double deepest = -1e3;
     for (uint32_t i = 0; i < crn_state_free_count(&s->state); i++) {
         crn_vec3 p = crn_state_position(&s->state, i);
-        double x[3] = {p.v[0] / Q30, p.v[1] / Q30, p.v[2] / Q30};
-        double depth_m = reference_tube_distance(s->vessel, x) + crn_state_radius(&s->state, i) / Q30;
+        const crn_wall_give give = crn_wall_give_at(&s->state.words.wall, crn_model_arc(&s->model, i));
+        double x[3];
+        for (int k = 0; k < 3; k++) x[k] = (p.v[k] - give.way_m_q30.v[k]) / Q30;
+        double depth_m =
+            reference_tube_distance(s->vessel, x) + (crn_state_radius(&s->state, i) - give.widen_m_q30) / Q30;
         deepest = fmax(deepest, 1e3 * depth_m);
     }
     return deepest;
@@ -116,8 +136,14 @@ void reference_random_hands(uint32_t tool_count, uint32_t number, int ticks, ref
         result->long_045 += strain_pct > 0.45;
         result->strain_max_pct = fmax(result->strain_max_pct, strain_pct);
         result->depth_max_mm = fmax(result->depth_max_mm, depth_mm);
+        for (uint32_t j = 0; j < s->state.words.wall.used; j++) {
+            const int32_t *way = s->state.words.wall.stations[j].way_m_q30.v;
+            result->way_max_mm =
+                fmax(result->way_max_mm, 1e3 * sqrt(pow(way[0], 2) + pow(way[1], 2) + pow(way[2], 2)) / Q30);
+        }
     }
     result->sets_bits |= s->state.words.set.used_bits;
     reference_tube_free(s->vessel);
+    free(s->law_of_brick);
     free(s);
 }

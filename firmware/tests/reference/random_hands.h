@@ -10,13 +10,17 @@
 /* From this session number on, the innermost tool is of nitinol and the others of a soft metal, and all of
  * them yield. */
 enum { REFERENCE_HANDS_WITH_MATERIALS = 1000 };
+/* From this session number on, the vessel's walls give way besides. */
+enum { REFERENCE_HANDS_WITH_WALLS = 2000 };
 
 typedef struct reference_hands_result {
     int ticks;
-    int deep;     /* ticks with a tool more than 1 mm beyond the wall, by the core or by the exact distance */
+    int deep;     /* ticks with a tool more than 1 mm beyond the wall, where the wall has given way to, by the
+                 core     or by the exact distance */
     int long_045; /* ticks with more than 0.45 % length error */
     double strain_max_pct, depth_max_mm;
     int saturated;      /* ticks with the fault CRN_FAULT_SATURATED */
+    double way_max_mm;  /* longest way of a wall that gives way */
     uint32_t sets_bits; /* bit k: tool k kept a set in some session */
 } reference_hands_result;
 

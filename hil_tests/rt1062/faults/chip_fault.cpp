@@ -283,7 +283,7 @@ void mem_dma(Draw &draw)
 
 void mem_near(Draw &draw)
 {
-    draw.memory("near memory", 0x2021c000u, 0x20280000u);
+    draw.memory("near memory", 0x20220000u, 0x20280000u);
 }
 
 void mem_psram(Draw &draw)

@@ -304,8 +304,10 @@ void a_recording_of_protocol_6_is_played(void **)
     play(recording, 17);
 }
 
-// Converts a present snapshot to protocol 6, without the sets of the tools before the core's nodes.
-constexpr std::ptrdiff_t nodes_bytes = 388 * 84, sets_bytes = 4 + CRN_TOOL_MAX * CRN_SET_CELL_MAX * 8;
+// Converts a present snapshot to protocol 6, without the sets of the tools and the ways of the walls before
+// the core's nodes.
+constexpr std::ptrdiff_t nodes_bytes = 388 * 84,
+                         sets_bytes = 4 + CRN_TOOL_MAX * CRN_SET_CELL_MAX * 8 + 4 + 192 * 16;
 
 Bytes snapshot_of_protocol_6(const Bytes &now)
 {

@@ -199,7 +199,8 @@ def check_progress(report, folder):
         found = [] if done.returncode == 0 and done.stderr == "" else ["%d: %s" % (done.returncode, done.stderr)]
         report.check("%s writes no progress into a pipe" % name, found)
         if name != "centreline":  # it may be too fast to show any
-            text = terminal_text(folder, words)
+            longer = ["600000" if word == "1000" else word for word in words]  # a stage below a second shows none
+            text = terminal_text(folder, longer)
             report.check("%s shows its progress on a terminal" % name, [] if text else ["nothing was shown"])
 
 

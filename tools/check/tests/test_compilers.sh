@@ -26,7 +26,7 @@ report() { # report STATUS NAME [FILE]
 build() { # build NAME CORE COMPILER FLAGS...: CORE is `sources`, or a library of the build
     local name="$1" core="$2"
     shift 2
-    [ "$core" != sources ] || core="$(echo firmware/core/*.c firmware/core/near/*.c)"
+    [ "$core" != sources ] || core="$(echo firmware/core/*.c firmware/core/{near,wall}/*.c)"
     # shellcheck disable=SC2086
     "$@" -std=c11 -I. tools/check/core_{hash,scenes}.c tools/check/console_stdio.c $core \
         -o "$folder/$name" \
@@ -60,7 +60,7 @@ report $? "the hash program builds with gcc -O2" "$folder/log"
 report $? "the hash program runs" "$folder/expected"
 
 # A golden hash changes only in a commit whose message says why the physics changed; then write it anew with
-# gcc -std=c11 -O2 -I. firmware/core/{,near/}*.c tools/check/core_{hash,scenes}.c tools/check/console_stdio.c -o hash
+# gcc -std=c11 -O2 -I. firmware/core/{,*/}*.c tools/check/core_{hash,scenes}.c tools/check/console_stdio.c -o hash
 # ./hash > tools/check/core_hash.golden
 diff tools/check/core_hash.golden "$folder/expected" >"$folder/log" 2>&1
 report $? "the hashes are those of tools/check/core_hash.golden" "$folder/log"

@@ -149,7 +149,7 @@ def stale(script):
 def main():
     report = tree.Report()
     self_test(report)
-    folders = ("firmware/core", "firmware/core/near")
+    folders = ("firmware/core", "firmware/core/near", "firmware/core/wall")
     sources = [path for path in tree.files(".c") if os.path.dirname(path) in folders]
     report.check("there is a core to check", [] if sources else ["no .c file in firmware/core"])
     for name, command in TARGETS.items():
