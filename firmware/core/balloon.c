@@ -325,7 +325,7 @@ static int32_t behind_wall(const crn_model *model, crn_state *state, const crn_l
         surface.v[k] = crn_add_sat(centre_m_q30->v[k], crn_scale_q30(radius_m_q30, direction_q30->v[k]));
     }
     const crn_vec3 rest = at_rest(&surface, give);
-    return crn_clamp(wall_distance(model, state, section, &rest) - give->widen_m_q30, -FELT_M_Q30,
+    return crn_clamp(crn_sub_sat(wall_distance(model, state, section, &rest), give->widen_m_q30), -FELT_M_Q30,
                      FELT_M_Q30);
 }
 

@@ -215,7 +215,7 @@ static inline bool sample(const crn_model *model, crn_state *state, crn_work *wo
                           const crn_wall_view *view, bool placed)
 {
     const crn_lumen_sample wall = wall_at(model, state, view, placed);
-    work->distance_m_q30 = wall.distance_m_q30 - view->widen_m_q30;
+    work->distance_m_q30 = crn_sub_sat(wall.distance_m_q30, view->widen_m_q30);
     work->normal_q30 = wall.normal_q30;
     work->depth_m_q30 = crn_add_sat(work->distance_m_q30, line->radius_m_q30);
     bool known = (work->normal_q30.v[0] | work->normal_q30.v[1] | work->normal_q30.v[2]) != 0;
@@ -242,11 +242,14 @@ static inline int32_t wall_distance(const crn_model *model, crn_state *state, co
 {
     const crn_lumen *lumen = model->lumen;
     const int32_t far = far_m_q30 + view->widen_m_q30; /* of the wall at rest */
-    return (lumen->motion == NULL
-                ? crn_lumen_distance_unless_far(lumen, view->at_m_q30, far, voxel)
-                : crn_motion_distance(lumen, lumen->motion, &state->scratch.pose, view->at_m_q30,
-                                      state->scratch.wall_shrink_q30, far)) -
-           view->widen_m_q30;
+    const int32_t rest = lumen->motion == NULL
+                             ? crn_lumen_distance_unless_far(lumen, view->at_m_q30, far, voxel)
+                             : crn_motion_distance(lumen, lumen->motion, &state->scratch.pose, view->at_m_q30,
+                                                   state->scratch.wall_shrink_q30, far);
+    /* Beyond a moving wall at rest, the distance may be too small; there, the node is sampled. */
+    return lumen->motion != NULL && view->widen_m_q30 != 0 && rest >= 0
+               ? far_m_q30
+               : crn_sub_sat(rest, view->widen_m_q30);
 }
 
 /* A node is sampled only if it touched the wall in the last tick or is near the wall now. */

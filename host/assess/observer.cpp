@@ -1,4 +1,5 @@
 #include "host/assess/observer.hpp"
+#include "host/model/wall_way.hpp"
 #include "host/model/wire_place.hpp"
 #include "host/session/contact_figures.hpp"
 #include <algorithm>
@@ -187,11 +188,12 @@ void AssessObserver::look_at_stents(const WireFrame &wire, SessionMoment &moment
         }
     }
     if (rings_mm.empty() || wire.balloon_radii_m.empty() || wire.nodes.size() < 2) return;
+    const WireFrame rest = at_rest(wire); // as the rings are
     const double folded_m = *std::min_element(wire.balloon_radii_m.begin(), wire.balloon_radii_m.end());
     for (std::size_t i = 0; i < wire.balloon_radii_m.size(); ++i) {
         if (wire.balloon_radii_m[i] < folded_m + 0.5e-3 * inflated_mm) continue;
         const Eigen::Vector3d ball_mm =
-            1e3 * line_place_m(wire, wire.balloon_arc_m + static_cast<double>(i) * wire.balloon_spacing_m);
+            1e3 * line_place_m(rest, wire.balloon_arc_m + static_cast<double>(i) * wire.balloon_spacing_m);
         double nearest_mm = 1e9;
         for (const Eigen::Vector3d &ring : rings_mm)
             nearest_mm = std::min(nearest_mm, (ring - ball_mm).norm());

@@ -1,6 +1,7 @@
 #include "host/live/replay_room.hpp"
 #include "host/command/cli.hpp"
 #include "host/patient/balloon.hpp"
+#include "host/patient/pushed_vessels.hpp"
 #include "host/picture/session_pictures.hpp"
 #include <algorithm>
 
@@ -92,7 +93,7 @@ void ReplayRoom::look_at_track()
     moment.carm = track_patient_->room().gantry().carm(track_patient_->room().field_m());
     std::vector<SweptCurve> curves = track_patient_->contrast().curves();
     if (PatientStents *stents = track_patient_->stents()) {
-        std::vector<SweptCurve> struts = stents->curves_at(wire);
+        std::vector<SweptCurve> struts = stents->curves_at(at_rest(wire));
         curves.insert(curves.end(), struts.begin(), struts.end());
     }
     if (!curves.empty()) moment.curves = std::make_shared<const std::vector<SweptCurve>>(std::move(curves));
@@ -200,8 +201,10 @@ ReplayPicture ReplayRoom::picture(const ReplayAsk &ask)
     result.line = line;
     std::vector<SweptCurve> curves =
         balloon_filling(wire, tools_on(recording_.header.tools, line), settings_.balloon_iodine_mg_per_ml);
+    const std::size_t balloon = curves.size();
     if (moment.curves && result.is_prepared)
         curves.insert(curves.end(), moment.curves->begin(), moment.curves->end());
+    PushedVessels(wire).push(std::span(curves).subspan(balloon));
     XraySettings xray;
     xray.carm = result.carm = ask.carm ? *ask.carm : moment.carm;
     xray.size = settings_.size;

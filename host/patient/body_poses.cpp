@@ -8,9 +8,10 @@ namespace crn
 namespace
 {
 
-bool belongs_to_vessel(const Body &body)
+bool belongs_to_vessel(const Body &body, const VesselTree &vessels)
 {
-    return body.material == "blood" || body.name.ends_with("_calcium");
+    const auto is_of = [&](const VesselLesion &lesion) { return body.name == lesion.name + "_calcium"; };
+    return body.material == "blood" || std::any_of(vessels.lesions.begin(), vessels.lesions.end(), is_of);
 }
 
 } // namespace
@@ -22,7 +23,7 @@ BodyPoses::BodyPoses(const SceneAnatomy &anatomy)
 {
     if (anatomy.motion) moving_.emplace(*anatomy.motion, anatomy.bodies);
     for (std::size_t i = 0; i < anatomy.bodies.bodies.size(); ++i)
-        if (belongs_to_vessel(anatomy.bodies.bodies[i]))
+        if (belongs_to_vessel(anatomy.bodies.bodies[i], anatomy.bodies.vessels))
             pushed_.push_back({static_cast<int>(i), anatomy.bodies.bodies[i].vertices_um, {}});
 }
 
@@ -31,11 +32,9 @@ BodyPoses::BodyPoses(const SceneAnatomy &anatomy)
 std::span<const MovedBody> BodyPoses::at(const WireFrame &wire)
 {
     const MotionMoment moment{wire.heart_phase32, wire.breath_phase32};
-    const auto is_same = [](const WallWay &a, const WallWay &b) { return a.way_m == b.way_m; };
-    if (moved_at_ == moment && moved_open_ == wire.lesions_open &&
-        std::equal(wire.walls.begin(), wire.walls.end(), pushed_by_.begin(), pushed_by_.end(), is_same))
+    if (moved_at_ == moment && moved_open_ == wire.lesions_open && wire.walls.empty() && !is_pushed_)
         return moved_;
-    pushed_by_ = wire.walls;
+    is_pushed_ = !wire.walls.empty();
     moved_at_ = moment;
     moved_open_ = wire.lesions_open;
     std::span<const MovingBodies::Moved> beating;

@@ -33,7 +33,7 @@ class BodyPoses
         std::vector<Eigen::Vector3i> rest_um, vertices_um;
     };
     std::vector<Pushed> pushed_;
-    std::vector<WallWay> pushed_by_; // of the list that was returned last
+    bool is_pushed_ = false; // in the list that was returned last
     std::vector<MovedBody> moved_;
     std::optional<MotionMoment> moved_at_; // moment to which they were last moved
     std::vector<double> moved_open_;

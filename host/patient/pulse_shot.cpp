@@ -41,18 +41,6 @@ void PulseShot::own()
     }
 }
 
-namespace
-{
-
-void push(const PushedVessels &pushed, std::span<SweptCurve> curves)
-{
-    if (pushed.is_empty()) return;
-    for (SweptCurve &curve : curves)
-        for (SweptPoint &point : curve.points) point.at_m += pushed.way_m(point.at_m);
-}
-
-} // namespace
-
 // A picture shows the tools, the medium in the vessels and in the balloon, and the struts of stents.
 PulseShot shot_of(Patient &patient, const WireFrame &shape, std::uint32_t tick, double iodine_mg_per_ml)
 {
@@ -73,7 +61,7 @@ PulseShot shot_of(Patient &patient, const WireFrame &shape, std::uint32_t tick, 
     }
     const std::vector<SweptCurve> &medium = patient.contrast().curves();
     shot.curves.insert(shot.curves.end(), medium.begin(), medium.end());
-    push(PushedVessels(shot.shape), std::span(shot.curves).subspan(balloon));
+    PushedVessels(shot.shape).push(std::span(shot.curves).subspan(balloon));
     const std::span<const MovedBody> bodies = patient.bodies_at(shot.shape);
     shot.bodies.assign(bodies.begin(), bodies.end());
     return shot;

@@ -57,4 +57,11 @@ Vector3d PushedVessels::way_m(const Vector3d &rest_m) const
     return std::exp(-least / (fade_m * fade_m)) * way_m;
 }
 
+void PushedVessels::push(std::span<SweptCurve> curves) const
+{
+    if (is_empty()) return;
+    for (SweptCurve &curve : curves)
+        for (SweptPoint &point : curve.points) point.at_m += way_m(point.at_m);
+}
+
 } // namespace crn

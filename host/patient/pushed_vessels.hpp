@@ -6,6 +6,8 @@
 //   place_m += pushed.way_m(place_m);           // where the place of the vessel at rest is now
 #pragma once
 #include "host/model/wall_way.hpp"
+#include "host/xray/paths/moved.hpp"
+#include <span>
 #include <vector>
 
 namespace crn
@@ -21,6 +23,8 @@ class PushedVessels
     // tools decides. The way fades with the distance d from the tools as exp(-(d / 25 mm)^2), because tissue
     // around the vessel moves along.
     Eigen::Vector3d way_m(const Eigen::Vector3d &rest_m) const;
+    // Moves curves in vessels at rest, such as medium and struts, to where they are.
+    void push(std::span<SweptCurve> curves) const;
 
   private:
     struct Place {

@@ -52,7 +52,7 @@ void print_result(const RunResult &result, const std::vector<Instrument> &tools)
                 unsigned{figures.penetration_max_tick});
     std::printf("worst length error    %.4f %% at tick %u\n", figures.strain_max * 1e2,
                 unsigned{figures.strain_max_tick});
-    if (result.contacts.wall_way_max_m > 0.0)
+    if (result.contacts.wall_way_max_m + result.contacts.wall_widened_max_m > 0.0)
         std::printf(
             "vessel pushed aside   %.2f mm at most, at tick %u; widened by %.2f mm at most in radius\n",
             result.contacts.wall_way_max_m * 1e3, unsigned{result.contacts.wall_way_max_tick},

@@ -1,5 +1,6 @@
 // Reads the text of a scene. Every error message names the file, the line and the key at fault.
 #include "tools/bake/scene_text.hpp"
+#include "host/base/number_text.hpp"
 #include "host/base/toml_reader.hpp"
 #include "shared/scene/scene.h"
 #include "tools/bake/fault.hpp"
@@ -361,13 +362,26 @@ WallLawText wall_law_of(const Table &t, const WallLawText &usual)
     return law;
 }
 
-WallsText walls_of(const Table &t)
+// The field describes the wall up to `outside_mm` beyond it, and in bricks of the finest level only within
+// four voxels. A tool on a wall that has widened needs 0.4 mm more, for the depth of its contact.
+void check_widening(const Table &t, const WallLawText &law, const LumenText &lumen)
+{
+    constexpr double band_mm[] = {3.9, 1.9, 0.97}, depth_mm = 0.4;
+    const double most_mm = std::min(lumen.outside_mm, band_mm[lumen.level_max]) - depth_mm;
+    if (law.widen_max_mm <= most_mm + 1e-9 || law.distensibility_per_kPa == 0) return;
+    t.fail("'widen_max_mm' = " + trimmed_text(law.widen_max_mm, 3) + " leaves the distance field: at most " +
+           trimmed_text(most_mm, 2) + " with outside_mm = " + trimmed_text(lumen.outside_mm, 2) +
+           " and level_max = " + std::to_string(lumen.level_max) + " of [lumen]");
+}
+
+WallsText walls_of(const Table &t, const LumenText &lumen)
 {
     t.check_keys({"bed_kPa", "distensibility_per_kPa", "relax_ms", "carry_mm", "way_max_mm", "widen_max_mm",
                   "branch"});
     WallsText walls;
     walls.is_given = true;
     walls.everywhere = wall_law_of(t, {});
+    check_widening(t, walls.everywhere, lumen);
     for (const TomlTable &row : t.tables("branch")) {
         const Table branch(row.inside("[[walls.branch]]"), t.folders);
         branch.check_keys({"names", "bed_kPa", "distensibility_per_kPa", "relax_ms", "carry_mm", "way_max_mm",
@@ -378,6 +392,7 @@ WallsText walls_of(const Table &t)
         if (text.names.empty())
             branch.fail("needs names = [\"lad\", \"renal_*\"], the branches that it is for");
         text.law = wall_law_of(branch, walls.everywhere);
+        check_widening(branch, text.law, lumen);
         walls.branches.push_back(std::move(text));
     }
     return walls;
@@ -488,7 +503,7 @@ SceneText read_scene_text(const std::filesystem::path &file, const Folders &fold
     }
     scene.entry = entry_of(table("entry"));
     if (root.has("motion")) scene.motion = motion_of(table("motion"), scene.lumen);
-    if (root.has("walls")) scene.walls = walls_of(table("walls"));
+    if (root.has("walls")) scene.walls = walls_of(table("walls"), scene.lumen);
     for (const TomlTable &body : root.tables("body"))
         scene.bodies.push_back(body_of({body.inside("[[body]]"), folders}, root.has("motion")));
     for (const TomlTable &lesion : root.tables("lesion"))

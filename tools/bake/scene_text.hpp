@@ -85,7 +85,7 @@ struct WallLawText {
     double distensibility_per_kPa = 0.012; // relative growth of the cross-section; 0: it does not widen
     double relax_ms = 150;
     double carry_mm = 10;
-    double way_max_mm = 12, widen_max_mm = 1.5;
+    double way_max_mm = 12, widen_max_mm = 0.5;
 };
 
 struct WallBranchText {

@@ -56,10 +56,12 @@ void crn_wall_build(const crn_walls *walls, crn_wall_ready ready[CRN_WALL_LAW_MA
     for (uint32_t i = 0; i <= walls->law_count && i <= CRN_WALL_LAW_MAX; i++) {
         const crn_wall_law *law = i == 0 ? &rigid : &walls->laws[i - 1];
         crn_wall_ready *to = &ready[i];
-        const uint64_t carry_um2 = (uint64_t)law->carry_um * law->carry_um;     /* below 2^29 */
+        const uint32_t carry_um =
+            law->bed_N_m2 == 0 ? 0 : law->carry_um;               /* a fixed vessel takes no way over */
+        const uint64_t carry_um2 = (uint64_t)carry_um * carry_um; /* below 2^29 */
         to->carry_q24 = (int32_t)crn_divide_u64(carry_um2 << 34, 62500000000u); /* l^2 is 61.0e6 um^2 */
         to->bed_q24[0] = 1 << 24;
-        to->bed_q24[1] = (1 << 24) + (int32_t)crn_divide_u64((uint64_t)law->carry_um << 26, 15625u);
+        to->bed_q24[1] = (1 << 24) + (int32_t)crn_divide_u64((uint64_t)carry_um << 26, 15625u);
         to->way_q16[0] = give_q16(law->bed_N_m2);
         to->way_q16[1] = (int32_t)crn_divide_u64((uint64_t)to->way_q16[0] << 25, (uint64_t)to->bed_q24[1]);
         to->widen_q16[0] = give_q16(law->radial_N_m2);
@@ -75,6 +77,11 @@ void crn_wall_build(const crn_walls *walls, crn_wall_ready ready[CRN_WALL_LAW_MA
 }
 
 /* --- reading -------------------------------------------------------------------------------------------- */
+
+static bool is_displaced(const crn_wall_give *give)
+{
+    return (give->way_m_q30.v[0] | give->way_m_q30.v[1] | give->way_m_q30.v[2] | give->widen_m_q30) != 0;
+}
 
 crn_wall_give crn_wall_give_at(const crn_wall_state *wall, int32_t arc_m_q30)
 {
@@ -111,6 +118,9 @@ bool crn_wall_is_valid(const crn_model *model, const crn_wall_state *wall)
     const bool gives = model->lumen != NULL && model->lumen->walls != NULL;
     if (wall->used > (gives ? (uint32_t)CRN_WALL_STATION_MAX : 0u)) {
         return false;
+    }
+    if (wall->used > 0 && !is_displaced(&wall->stations[wall->used - 1])) {
+        return false; /* `used` counts up to the last station that is displaced */
     }
     for (uint32_t j = 0; j < CRN_WALL_STATION_MAX; j++) {
         const crn_wall_give *at = &wall->stations[j];
@@ -194,11 +204,6 @@ static int32_t carried(int32_t here, int32_t ahead, int32_t behind, int32_t adva
 {
     const int32_t from = advance_q30 > 0 ? ahead : behind;
     return here + crn_mul_q30(from - here, advance_q30 > 0 ? advance_q30 : -advance_q30);
-}
-
-static bool is_displaced(const crn_wall_give *give)
-{
-    return (give->way_m_q30.v[0] | give->way_m_q30.v[1] | give->way_m_q30.v[2] | give->widen_m_q30) != 0;
 }
 
 /* The new way is a mean of the goal and of the ways here, ahead and behind, with weights of which none is
@@ -295,9 +300,12 @@ static void load_station(station_load *load, const crn_vec3 *normal_q30, int32_t
 /* Shares the contact of a node between the two stations beside it, as crn_wall_give_at() takes their ways. */
 static void load_by_node(const crn_work *work, int32_t arc_m_q30, wall_pass *pass)
 {
+    if (!work->touching) {
+        return;
+    }
     const int32_t deviation = along(&work->solution_m_q33, &work->normal_q30);
     const int32_t depth = crn_sub_sat(work->depth_m_q30, deviation >> 3);
-    if (!work->touching || depth <= 0) {
+    if (depth <= 0) {
         return;
     }
     const int32_t force = crn_contact_force(depth), stiffness = crn_contact_stiffness_N_m(depth);

@@ -34,7 +34,7 @@ static crn_lumen_sample wall_at_node(const crn_model *model, const crn_state *st
 {
     crn_wall_look(model, state, node, &state->words.nodes[node].position_m_q30, view);
     crn_lumen_sample wall = wall_now(model, state, pose, view->at_m_q30);
-    wall.distance_m_q30 -= view->widen_m_q30;
+    wall.distance_m_q30 = crn_sub_sat(wall.distance_m_q30, view->widen_m_q30);
     return wall;
 }
 

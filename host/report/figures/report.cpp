@@ -255,7 +255,7 @@ nlohmann::ordered_json report_of(const RunResult &result, const std::string &sce
     report["balloon"] = balloon_report(figures.balloon, patient.table());
     report["stents"] = stents_report(patient.stents());
     report["contact"] = contact_report(result.contacts);
-    if (result.contacts.wall_way_max_m > 0.0)
+    if (result.contacts.wall_way_max_m + result.contacts.wall_widened_max_m > 0.0)
         report["walls"] = {{"way_max_mm", result.contacts.wall_way_max_m * 1e3},
                            {"way_max_tick", result.contacts.wall_way_max_tick},
                            {"widened_max_mm", result.contacts.wall_widened_max_m * 1e3}};

@@ -70,15 +70,15 @@ WallsText soft_side()
     return text;
 }
 
-// k_w = 4 / D: 0.02 / kPa are 200 kPa.
+// k_w = 8 / D: 0.02 / kPa are 400 kPa.
 void laws_are_written_in_the_units_of_the_section(void **)
 {
     const crn::VesselTree tree = two_vessels();
     const auto bytes = walls_section(soft_side(), row_of_bricks(), &tree);
     assert_int_equal(bytes.size(), 16 + 2 * 32 + 8);
     assert_int_equal(word(bytes, 0), 2);
-    const std::uint32_t everywhere[] = {30000, 333333, 150, 10000, 12000, 1500, 0, 0};
-    const std::uint32_t side[] = {0, 200000, 150, 10000, 12000, 1500, 0, 0};
+    const std::uint32_t everywhere[] = {30000, 666667, 150, 10000, 12000, 500, 0, 0};
+    const std::uint32_t side[] = {0, 400000, 150, 10000, 12000, 500, 0, 0};
     for (std::size_t i = 0; i < 8; ++i) {
         assert_int_equal(word(bytes, 16 + 4 * i), everywhere[i]);
         assert_int_equal(word(bytes, 48 + 4 * i), side[i]);
@@ -148,6 +148,8 @@ void faults_of_the_text_of_walls_name_key_and_range(void **)
     contains(says("carry_mm = 30\n"), {"carry_mm", "0 .. 20"});
     contains(says("way_max_mm = 21\n"), {"way_max_mm", "0 .. 20"});
     contains(says("widen_max_mm = 5\n"), {"widen_max_mm", "0 .. 4"});
+    // Beyond `outside_mm` and beyond the band of the finest level, the field knows no wall.
+    contains(says("widen_max_mm = 1.2\n"), {"widen_max_mm", "1.2", "at most 1.1", "outside_mm"});
     contains(says("[[walls.branch]]\nbed_kPa = 3\n"), {"[[walls.branch]]", "names"});
     contains(says("[[walls.branch]]\nnames = [\"lad\"]\n"), {"[[walls.branch]]", "'lad'"});
 }

@@ -19,10 +19,11 @@ void put(std::vector<std::uint8_t> &bytes, double value)
 
 // A pressure that widens the radius r by dr stretches the wall by dr / r: with the distensibility D = dA / (A
 // dp), dp = 2 dr / (r D). Two opposite lines that press with f per length stretch a ring as the pressure f /
-// (2 r) does, so f = 4 dr / D.
+// (2 r) does, so f = 4 dr / D. The core adds the forces of both
+// lines, 2 f = 8 dr / D.
 double radial_N_m2(const WallLawText &law)
 {
-    return law.distensibility_per_kPa == 0 ? 0 : 4e3 / law.distensibility_per_kPa;
+    return law.distensibility_per_kPa == 0 ? 0 : 8e3 / law.distensibility_per_kPa;
 }
 
 void put_law(std::vector<std::uint8_t> &bytes, const WallLawText &law)
