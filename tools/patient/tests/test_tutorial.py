@@ -114,9 +114,9 @@ def played(folder):
         return ["cournand run: exit code %d: %s" % (code, said[-400:])]
     if not re.search(r"^held .*inserted", said, re.M):
         return ["the session's expectation is not reported: " + said[-400:]]
-    # The wire has left the vessel at the end, and the catheter is in it.
-    inside = [float(mm) for mm in re.findall(r"^  tip .*\(([\d.]+) mm inside\)", said, re.M)]
-    if max(inside, default=0) < 5:
+    # The wire has left the vessel at the end, and the catheter is in it. Its tip may have just entered a branch.
+    inserted = [float(mm) for mm in re.findall(r"^  inserted +([-\d.]+) mm at the end", said, re.M)]
+    if max(inserted, default=0) < 5 or not re.search(r"^  tip .*\([\d.]+ mm inside\)", said, re.M):
         return ["the tip is not in the vessel: " + said[-400:]]
     with open(report, encoding="utf-8") as text:
         figures = json.load(text)
